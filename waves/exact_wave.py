@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -17,12 +17,15 @@ from longwave.waves.kernel.elliptic_pins import FORMS, NearWave
 from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.periodic import Spring
 from longwave.waves.periodic_waves import PeriodicProblem, periodic_certificate
-from longwave.waves.proved import Existence, Interval, Proved, proved, rational
+from longwave.waves.proved import Interval, Proved, proved, rational
 from longwave.waves.small_waves import tie_certificate
 from longwave.waves.solitary_waves import solitary_certificate
 from longwave.waves.springs import Refused, chain_springs
 
-__all__ = ["ExactWave", "Existence", "Exponent", "Interval", "exact_wave", "waves_of_all_eps"]
+if TYPE_CHECKING:
+    from longwave.waves.rings import RingStability
+
+__all__ = ["ExactWave", "Exponent", "exact_wave", "waves_of_all_eps"]
 
 
 @dataclass(frozen=True)
@@ -86,6 +89,18 @@ class ExactWave(Proved):
         claims = certificate["claims"]
         return Exponent(Interval(*claims["growth"]), Interval(*claims["frequency"]), certificate)
 
+    def ring(self, wavelengths: int) -> RingStability:
+        """Decide whether the wave is spectrally stable on a ring of ``wavelengths`` wavelengths.
+
+        Raises ValueError unless this is a periodic wave that is proved to exist, whose period is
+        stated as an integer number of cells.
+        """
+        from longwave.waves.rings import ring_stability
+
+        if self.certificate.get("kind") != "periodic":
+            raise ValueError("a ring needs a periodic wave that exists, got another")
+        return ring_stability(self.certificate, wavelengths)
+
     def at(self, x: ArrayLike) -> NDArray[np.float64]:
         """Return the strain f(x) in double precision; the wave's proved error is `radius`.
 
@@ -112,8 +127,10 @@ def exact_wave(
 
     A periodic wave is given by its ``period`` in cells, ``mean`` and ``first_mode`` f_1 of
     f_0 + 2 (f_1 cos + ...); or by ``near``, ``k`` and ``eps``, with period, mean and first mode of
-    that wave: "dn", "cn" or "sn" of the modified KdV equation, "cnoidal" of KdV. A solitary wave is
-    given by its ``speed``. ``error`` is the largest error of the strain that is accepted.
+    that wave: "dn", "cn" or "sn" of the modified KdV equation, "cnoidal" of KdV. With ``near`` and
+    ``period`` eps is that of the period, and mean and first mode are rounded to 30 digits. A
+    solitary wave is given by its ``speed``. ``error`` is the largest error of the strain that is
+    accepted.
 
     Raises ValueError for arguments that state no wave. If the proof fails or no theorem applies,
     the verdict says so.
@@ -126,7 +143,10 @@ def exact_wave(
     """
     choices = {"near": near, "period": period, "speed": speed}
     given = [name for name, value in choices.items() if value]
-    if len(given) != 1:
+    if given == ["near", "period"]:
+        if eps or mean or first_mode:
+            raise ValueError("near and period must not be given with eps, mean or first_mode")
+    elif len(given) != 1:
         raise ValueError(
             f"one of near, period and speed must be given, got {', '.join(given) or 'none'} "
             "(near='dn', k='3/5', eps='2/25')"
@@ -179,6 +199,10 @@ def _certificate(
         return solitary_certificate(springs[0], numbers["speed"], error)
     if near:
         springs = _nearest_neighbours(lattice, near)
+        if numbers["period"]:
+            _check_near(springs, near, numbers["k"], fmpq(1))
+            problem = PeriodicProblem.of_period(springs, near, numbers["k"], numbers["period"])
+            return periodic_certificate(problem, error)
         _check_near(springs, near, numbers["k"], numbers["eps"])
         problem = PeriodicProblem.near_elliptic(springs, near, numbers["k"], numbers["eps"])
         return periodic_certificate(problem, error)

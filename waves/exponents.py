@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from flint import acb, acb_mat, ctx, fmpq
+from flint import acb, acb_mat, arb, ctx, fmpq
 from numpy.typing import NDArray
 
 from longwave.waves.certificates import contracting_radius, decimal_text, interval
-from longwave.waves.kernel.exponent import ExponentCentre, exponent_contraction
+from longwave.waves.kernel.exponent import ExponentCentre, Stiffness, exponent_contraction
 from longwave.waves.kernel.exponent_claim import ExponentClaim
-from longwave.waves.kernel.limits import CertificateError
+from longwave.waves.kernel.limits import CertificateError, decimal
 from longwave.waves.kernel.periodic_claim import PeriodicClaim
 from longwave.waves.kernel.reading import Record
 
 Components = NDArray[np.complex128]
 
 COMPONENTS_PER_CELL, LEAST_COMPONENTS = 1.2, 12
+RADIUS_BOUND = "1e-6"
+"""Largest radius of an exponent's enclosure, in the norm of exponent and vector."""
 
 
 def approximate_exponents(
@@ -80,57 +83,56 @@ def _wave(certificate: Mapping[str, Any]) -> PeriodicClaim:
 def _prove(
     certificate: Mapping[str, Any], bloch: fmpq, exponent: complex, vector: Components
 ) -> dict[str, Any]:
-    top = len(vector) // 2
-    fixed = int(np.argmax(np.abs(vector)))
     data: dict[str, Any] = {
         "kind": "exponent",
         "version": 1,
         "wave": dict(certificate),
         "bits": certificate["bits"],
         "bloch": str(bloch),
-        "fixed": fixed - top,
-        "radius_bound": "1e-6",
-        "radius": "1e-6",
+        "fixed": int(np.argmax(np.abs(vector))) - len(vector) // 2,
+        "radius_bound": RADIUS_BOUND,
+        "radius": RADIUS_BOUND,
     }
-    scaled = [acb(complex(c)) for c in vector / vector[fixed]]
-    scaled[fixed] = acb(1)
-    data = _refined({**data, **_texts(acb(complex(exponent)), scaled)})
-    data["radius"] = contracting_radius(exponent_contraction(_claim(data).centre))
-    claim = _claim(data)
+    stiffness = _wave(certificate).stiffness
+    centre = refined(approximate_centre(stiffness, bloch, exponent, vector))
+    data |= {
+        "growth": decimal_text(centre.exponent.real),
+        "frequency": decimal_text(centre.exponent.imag),
+        "vector": [[decimal_text(w.real), decimal_text(w.imag)] for w in centre.vector],
+    }
+    claim = ExponentClaim(Record(dict(data), "certificate"))
+    data["radius"] = contracting_radius(exponent_contraction(claim.centre))
+    claim.radius = arb(decimal(data["radius"]))
     data["claims"] = {name: interval(value) for name, value in claim.prove().items()}
     return data
 
 
-def _claim(data: Mapping[str, Any]) -> ExponentClaim:
-    return ExponentClaim(Record(dict(data), "certificate"))
+def approximate_centre(
+    stiffness: Stiffness, bloch: fmpq, exponent: complex, vector: Components
+) -> ExponentCentre:
+    """Return a centre from an approximate exponent; its vector's largest component is set to 1."""
+    fixed = int(np.argmax(np.abs(vector)))
+    scaled = [acb(complex(c)) for c in vector / vector[fixed]]
+    scaled[fixed] = acb(1)
+    top = len(vector) // 2
+    return ExponentCentre(
+        stiffness, bloch, acb(complex(exponent)), scaled, fixed - top, arb(RADIUS_BOUND)
+    )
 
 
-def _texts(exponent: acb, vector: list[acb]) -> dict[str, Any]:
-    return {
-        "growth": decimal_text(exponent.real),
-        "frequency": decimal_text(exponent.imag),
-        "vector": [[decimal_text(w.real), decimal_text(w.imag)] for w in vector],
-    }
-
-
-def _refined(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the certificate's numbers after chord iterations in ball arithmetic."""
-    centre = _claim(data).centre
-    inverse: acb_mat | None = None
+def refined(centre: ExponentCentre) -> ExponentCentre:
+    """Return the centre after chord iterations in ball arithmetic."""
+    inverse = acb_mat(_float_inverse(centre))
+    place = centre.fixed + centre.top
     for _ in range(5):
-        if inverse is None:
-            inverse = acb_mat(_float_inverse(centre))
         rows = range(-centre.top, centre.top + 1)
         step = inverse * acb_mat([[centre.residual(j).mid()] for j in rows])
         vector = [(w - step[i, 0]).mid() for i, w in enumerate(centre.vector)]
-        place = centre.fixed + centre.top
         exponent, vector[place] = (centre.exponent - step[place, 0]).mid(), acb(1)
-        centre = ExponentCentre(
-            centre.stiffness, centre.bloch, exponent, vector, centre.fixed, centre.radius_bound
-        )
+        centre = replace(centre, exponent=exponent, vector=vector)
         if max(float(abs(step[i, 0]).mid()) for i in range(len(vector))) < 1e-28:
             break
-    return {**data, **_texts(centre.exponent, list(centre.vector))}
+    return centre
 
 
 def _float_inverse(centre: ExponentCentre) -> list[list[complex]]:

@@ -13,13 +13,16 @@ from numpy.typing import NDArray
 
 from longwave.waves.certificates import contracting_radius, decimal_text, interval
 from longwave.waves.kernel.elliptic_pins import NearWave
-from longwave.waves.kernel.limits import CertificateError
+from longwave.waves.kernel.limits import CertificateError, decimal
 from longwave.waves.kernel.periodic import PeriodicCentre, Spring, contraction
 from longwave.waves.kernel.periodic_claim import PeriodicClaim
 from longwave.waves.kernel.reading import Record
 
 BITS = 128
 WEIGHT = fmpq(1, 10)
+PIN_DIGITS = 30
+"""Digits of the mean and the first mode of a wave of an elliptic form and a given period."""
+
 MODES_PER_CELL, LEAST_MODES, MOST_MODES = 1.6, 12, 700
 GROWTH = 1.5
 """Factor by which the number of modes grows until the error is small enough."""
@@ -56,6 +59,23 @@ class PeriodicProblem:
         near = NearWave(form, k, eps, springs[0].force)
         statement = {"near": {"form": form, "k": str(k), "eps": str(eps)}}
         return cls(springs, near.period, near.mode(0), near.mode(1), statement, near)
+
+    @classmethod
+    def of_period(
+        cls, springs: tuple[Spring, ...], form: str, k: fmpq, period: fmpq
+    ) -> PeriodicProblem:
+        """Return the problem of a period, with the elliptic wave's mean and first mode, rounded."""
+        before, ctx.prec = ctx.prec, BITS
+        try:
+            unit = NearWave(form, k, fmpq(1), springs[0].force)
+            size = (unit.period / period) ** unit.form.order
+            mean, first_mode = (
+                decimal(str((unit.mode(j) * size).mid().str(PIN_DIGITS, radius=False)))
+                for j in (0, 1)
+            )
+            return cls.of(springs, period, mean, first_mode)
+        finally:
+            ctx.prec = before
 
 
 @dataclass(frozen=True)

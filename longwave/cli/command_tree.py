@@ -165,6 +165,7 @@ def fit(
 @click.option("--first-mode", metavar="X", help="Its first mode f_1: f_0 + 2 f_1 cos(...) + ...")
 @click.option("--speed", metavar="V", help="A solitary wave of this speed, in cells a time unit.")
 @click.option("--stability", metavar="X", help="Also the growth at kappa P/(2 pi) = X.")
+@click.option("--ring", type=int, metavar="M", help="Also the stability on M wavelengths.")
 @path_option("--certificate", "FILE.json", "Write the proof, for longwave check.")
 @click.option("--digits", type=click.IntRange(2, 38), default=16, metavar="N", help="Digits (16).")
 @force_option

@@ -21,14 +21,9 @@ from longwave.support import console
 from longwave.support.atomic_file import write_atomically
 from longwave.support.command_line import command_name, fail
 from longwave.support.interruption import interrupted
-from longwave.waves.exact_wave import (
-    ExactWave,
-    Existence,
-    Exponent,
-    Interval,
-    exact_wave,
-    waves_of_all_eps,
-)
+from longwave.waves.exact_wave import ExactWave, Exponent, exact_wave, waves_of_all_eps
+from longwave.waves.proved import Existence, Interval
+from longwave.waves.rings import RingStability, Stability
 
 CATALOGUE_NAMES = {"wave_dn": "dn", "wave_cn": "cn", "wave_sn": "sn", "kdv_cnoidal": "cnoidal"}
 """Forms of exact waves, by their names in the catalogue of closed forms."""
@@ -43,6 +38,7 @@ def wave_and_print(
     near: str | None,
     every_eps_to: str | None,
     stability: str | None,
+    ring: int | None,
     certificate: str | None,
     digits: int,
     force: bool,
@@ -63,12 +59,16 @@ def wave_and_print(
         if every_eps_to is None:
             wave = exact_wave(lattice, near=form, error=LARGEST_ERROR, **given)
         else:
-            wave = _all_eps(lattice, form, every_eps_to, stability, given)
+            extra = {"stability": stability, "ring": ring}
+            chosen = {name: str(text) for name, text in extra.items() if text is not None}
+            wave = _all_eps(lattice, form, every_eps_to, given | chosen)
+        exists = wave.verdict is Existence.EXISTS
         exponents = []
-        if stability is not None and wave.verdict is Existence.EXISTS:
+        if stability is not None and exists:
             exponents = [(stability, wave.exponent(stability))]
+        rings = [wave.ring(ring)] if ring is not None and exists else []
         if certificate is not None and wave.certificate:
-            text = json.dumps(_written(wave, exponents), indent=1) + "\n"
+            text = json.dumps(_written(wave, exponents, rings), indent=1) + "\n"
             path = Path(certificate)
             write_atomically(path, lambda draft: draft.write_text(text, encoding="utf-8"), force)
     except KeyboardInterrupt:
@@ -76,31 +76,31 @@ def wave_and_print(
     except (ValueError, OSError) as error:
         return fail(error)
     if json_wanted:
-        console.print_json(wave.to_json() | _exponents_as_json(exponents))
+        console.print_json(wave.to_json() | _exponents_as_json(exponents) | _rings_as_json(rings))
     else:
-        console.print_lines(console.plain_console(), _lines(wave, exponents, digits))
+        console.print_lines(console.plain_console(), _lines(wave, exponents, rings, digits))
     return int(wave.verdict is not Existence.EXISTS)
 
 
-def _all_eps(
-    lattice: Any, form: str, eps: str, stability: str | None, given: Mapping[str, str]
-) -> ExactWave:
+def _all_eps(lattice: Any, form: str, eps: str, given: Mapping[str, str]) -> ExactWave:
     """Return the wave for every eps up to ``eps``.
 
-    Raises ValueError if ``given`` or ``stability`` has options that are not allowed with it.
+    Raises ValueError if ``given`` has options that are not allowed with it.
     """
-    if stability is not None or {*given} - {"k"}:
+    if {*given} - {"k"}:
         others = ", ".join(f"--{name.replace('_', '-')}" for name in {*given} - {"k"})
         raise ValueError(
-            f"--every-eps-to must be given with --near and --k alone, got "
-            f"{others or '--stability'} as well"
+            f"--every-eps-to must be given with --near and --k alone, got {others} as well"
         )
     return waves_of_all_eps(lattice, near=form, k=given.get("k", 0), eps=eps)
 
 
-def _written(wave: ExactWave, exponents: list[tuple[str, Exponent]]) -> Any:
-    """Return the wave's certificate, or a list of it and the certificates of ``exponents``."""
+def _written(
+    wave: ExactWave, exponents: list[tuple[str, Exponent]], rings: list[RingStability]
+) -> Any:
+    """Return the wave's certificate, or a list of it and those of ``exponents`` and ``rings``."""
     others = [dict(exponent.certificate) for _, exponent in exponents]
+    others += [dict(ring.certificate) for ring in rings if ring.certificate]
     return [dict(wave.certificate), *others] if others else dict(wave.certificate)
 
 
@@ -120,7 +120,28 @@ def _exponents_as_json(exponents: list[tuple[str, Exponent]]) -> dict[str, Any]:
     }
 
 
-def _lines(wave: ExactWave, exponents: list[tuple[str, Exponent]], digits: int) -> list[str]:
+def _rings_as_json(rings: list[RingStability]) -> dict[str, Any]:
+    return {"ring": rings[0].to_json()} if rings else {}
+
+
+def _ring_line(ring: RingStability, digits: int) -> tuple[str, str]:
+    """Return the name and the verdict of a ring, with the proved or the computed growth."""
+    if ring.proved_growth is None:
+        text = f"growth {ring.growth:.1e}, computed, not proved: {ring.reason}"
+    elif ring.verdict is Stability.STABLE:
+        text = "STABLE, proved: no perturbation grows exponentially"
+    else:
+        growth = number_text(ring.proved_growth, digits)
+        text = f"UNSTABLE, proved: growth {growth} at kappa P/(2 pi) = {ring.bloch}"
+    return f"ring of {ring.wavelengths} wavelengths", text
+
+
+def _lines(
+    wave: ExactWave,
+    exponents: list[tuple[str, Exponent]],
+    rings: list[RingStability],
+    digits: int,
+) -> list[str]:
     """Return the lines to print: the verdict, the theorem, and each number with its error."""
     if wave.verdict is not Existence.EXISTS:
         return [f"{wave.verdict}: {wave.reason}"]
@@ -133,6 +154,7 @@ def _lines(wave: ExactWave, exponents: list[tuple[str, Exponent]], digits: int) 
             (f"growth at {at}", f"{number_text(exponent.growth, digits)}  ({state})"),
             (f"frequency at {at}", number_text(exponent.frequency, digits)),
         ]
+    rows += [_ring_line(ring, digits) for ring in rings]
     width = max(len(name) for name, _ in rows)
     return [*lines, *(f"  {name:<{width}}  {text}" for name, text in rows)]
 

@@ -8,12 +8,13 @@ import pytest
 from flint import fmpq
 
 from longwave.derive import LATTICES
-from longwave.waves.exact_wave import ExactWave, Existence, exact_wave, waves_of_all_eps
+from longwave.waves.exact_wave import ExactWave, exact_wave, waves_of_all_eps
 from longwave.waves.kernel.check import check_certificate
 from longwave.waves.kernel.force_text import read_force
 from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.periodic import Spring
 from longwave.waves.periodic_waves import PeriodicProblem, periodic_certificate
+from longwave.waves.proved import Existence
 from longwave.waves.small_waves import tie_certificate
 
 

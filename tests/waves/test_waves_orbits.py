@@ -18,7 +18,6 @@ from longwave.derive import LATTICES, Lattice
 from longwave.derive.lattice import on_site, spring
 from longwave.derive.symbols import x
 from longwave.waves.exact_orbit import ExactOrbit, exact_orbit
-from longwave.waves.exact_wave import Existence, Interval
 from longwave.waves.kernel import orbit as kernel
 from longwave.waves.kernel.check import check_certificate
 from longwave.waves.kernel.force_text import read_force
@@ -28,6 +27,7 @@ from longwave.waves.kernel.orbit_claim import BreatherClaim, OrbitClaim
 from longwave.waves.kernel.periodic import Spring
 from longwave.waves.kernel.reading import Record
 from longwave.waves.orbits import breather_certificate
+from longwave.waves.proved import Existence, Interval
 from longwave.waves.springs import Refused, chain_forces
 
 Vector = NDArray[np.float64]

@@ -9,9 +9,10 @@ import pytest
 
 from longwave.derive import LATTICES
 from longwave.derive.lattice import Lattice
-from longwave.waves.exact_wave import ExactWave, Existence, exact_wave
+from longwave.waves.exact_wave import ExactWave, exact_wave
 from longwave.waves.kernel.check import check_certificate
 from longwave.waves.kernel.limits import CertificateError
+from longwave.waves.proved import Existence
 
 
 def chain(k3: object = 0, k4: object = 0) -> Lattice:

@@ -8,10 +8,11 @@ import mpmath
 import pytest
 
 from longwave.derive import LATTICES
-from longwave.waves.exact_wave import ExactWave, Existence, exact_wave
+from longwave.waves.exact_wave import ExactWave, exact_wave
 from longwave.waves.kernel.check import check_certificate
 from longwave.waves.kernel.force_text import read_force
 from longwave.waves.kernel.limits import CertificateError
+from longwave.waves.proved import Existence
 
 
 def wave_of(name: str, speed: str, **values: object) -> ExactWave:

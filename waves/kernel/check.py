@@ -12,6 +12,7 @@ from .limits import MAX_BITS, MIN_BITS, VERSION, CertificateError
 from .orbit_claim import BreatherClaim, OrbitClaim
 from .periodic_claim import PeriodicClaim
 from .reading import Ends, Record, check_claims
+from .ring_claim import RingClaim
 from .solitary_claim import SolitaryClaim
 from .tie_claim import TieClaim
 
@@ -31,6 +32,7 @@ CLAIMS: Mapping[str, Callable[[Record], WaveClaim]] = {
     "periodic": PeriodicClaim,
     "solitary": SolitaryClaim,
     "exponent": ExponentClaim,
+    "ring": RingClaim,
     "tie": TieClaim,
     "orbit": OrbitClaim,
     "breather": BreatherClaim,

@@ -1,18 +1,17 @@
 r"""Elliptic waves of KdV and of the modified KdV equation as cosine series, by the nome.
 
 On the chain V'(r) = K2 r + K3 r^2 + K4 r^3 + ... the strain is eps^p Y, v^2 = K2 + sigma eps^2,
-with K = K(k), E = E(k), q the nome:
+with K = K(k), E = E(k), q the nome.
 
-    modified KdV, K3 = 0, a^2 = 6 |K4|/K2, p = 1:
-    dn       P = 2K/(a eps)   f_0 = pi eps/(2K)   f_j = (pi eps/K) q^j/(1 + q^(2j))
-    cn       P = 4K/(a eps)   odd j:  f_j = (pi eps/K) q^(j/2)/(1 + q^j)               of k cn
-    sn       P = 4K/(a eps)   odd j:  f_j = (-1)^((j-1)/2) (pi eps/K) q^(j/2)/(1 - q^j)
-                                                                                   of k sn(x + K)
-    sigma = |K4|/2 times 2 - k^2, 2 k^2 - 1, -(1 + k^2)
+Modified KdV: K3 = 0, p = 1, a^2 = 6 |K4|/K2, sigma = |K4|/2 times 2 - k^2, 2 k^2 - 1, -(1 + k^2):
 
-    KdV, K3 != 0, p = 2:  Y = (K2/(2 K3)) k^2 cn^2(x), sigma = K2 (2 k^2 - 1)/3
-    cnoidal  P = 2K/eps       f_0 = (K2 eps^2/(2 K3)) (E/K - 1 + k^2)
-                              f_j = (K2 eps^2/(2 K3)) (pi/K)^2 j q^j/(1 - q^(2j))
+    dn           P = 2K/(a eps)   f_0 = pi eps/(2K)   f_j = (pi eps/K) q^j/(1 + q^(2j))
+    k cn         P = 4K/(a eps)   odd j:  f_j = (pi eps/K) q^(j/2)/(1 + q^j)
+    k sn(x + K)  P = 4K/(a eps)   odd j:  f_j = (-1)^((j-1)/2) (pi eps/K) q^(j/2)/(1 - q^j)
+
+KdV: K3 != 0, p = 2, Y = (K2/(2 K3)) k^2 cn^2(x), sigma = K2 (2 k^2 - 1)/3, c = K2 eps^2/(2 K3):
+
+    cnoidal      P = 2K/eps       f_0 = c (E/K - 1 + k^2)   f_j = c (pi/K)^2 j q^j/(1 - q^(2j))
 """
 
 from __future__ import annotations

@@ -5,22 +5,16 @@ from __future__ import annotations
 from flint import acb, arb
 
 from .exponent import ExponentCentre, exponent_contraction
-from .limits import MAX_BITS, MAX_MODES, MIN_BITS, VERSION, CertificateError, decimal
-from .periodic_claim import PeriodicClaim
-from .reading import Ends, Record, check_claims, ends_of
+from .limits import MAX_MODES, CertificateError, decimal
+from .periodic_claim import proved_wave
+from .reading import Ends, Record, ends_of
 
 
 class ExponentClaim:
     """The statement and the numbers of an exponent's certificate, with its wave's."""
 
     def __init__(self, record: Record) -> None:
-        wave = record.record("wave")
-        if wave.text("kind") != "periodic" or wave.integer("version", 1, VERSION) != VERSION:
-            raise CertificateError("an exponent is proved for a periodic wave")
-        wave.integer("bits", MIN_BITS, MAX_BITS)
-        self.wave = PeriodicClaim(wave)
-        check_claims(wave.record("claims"), self.wave.prove())
-        wave.close()
+        self.wave = proved_wave(record.record("wave"))
         self.bloch = record.number("bloch")
         self.radius = arb(record.number("radius"))
         parts = [record.number(name) for name in ("growth", "frequency")]

@@ -38,7 +38,7 @@ Index = tuple[int, int]
 
 
 @dataclass(frozen=True)
-class Bond:
+class OrbitBond:
     """A force V'(x) with the stretch x = sum of sign times q over the ends (site, sign).
 
     It pulls each end by -sign V'(x). A bond to a wall, or the force on a site, has one end.
@@ -94,7 +94,7 @@ class OrbitCentre:
         return range(-reach, len(self.modes) + reach)
 
     @cached_property
-    def bonds(self) -> list[Bond]:
+    def bonds(self) -> list[OrbitBond]:
         """Bonds of the sites `around`."""
         sites = self._widened(3)
         bonds = []
@@ -102,7 +102,7 @@ class OrbitCentre:
             m = spring.neighbour
             for n in range(sites.start - m, sites.stop):
                 ends = ((n, 1),) if m == 0 else ((n + m, 1), (n, -1))
-                bonds.append(Bond(spring.force, tuple(e for e in ends if e[0] in sites)))
+                bonds.append(OrbitBond(spring.force, tuple(e for e in ends if e[0] in sites)))
         return bonds
 
     @cached_property
@@ -134,7 +134,7 @@ class OrbitCentre:
         """Return the harmonics at site n that are not in the block, up to ``last``."""
         return self.harmonics(self.last + 1 if n in self.inside else 0, last)
 
-    def stretch(self, bond: Bond) -> Series:
+    def stretch(self, bond: OrbitBond) -> Series:
         """Return the series of a bond's stretch."""
         total = [arb(0)] * (self.top + 1)
         for n, sign in bond.ends:
@@ -143,7 +143,7 @@ class OrbitCentre:
         return total
 
     @cached_property
-    def laws(self) -> list[tuple[Bond, Composed]]:
+    def laws(self) -> list[tuple[OrbitBond, Composed]]:
         """Each bond, and its force composed with its stretch."""
         return [
             (b, composed(b.force, self.stretch(b), self.nu, self.radius_bound, self.strip))
@@ -205,7 +205,7 @@ class OrbitCentre:
         known = self.stiffness.get((row[0], column[0]), [])
         return shifted_sum(known, row[1], column[1]) / (1 if column[1] else 2)
 
-    def at_start(self, bond: Bond, error: arb) -> arb:
+    def at_start(self, bond: OrbitBond, error: arb) -> arb:
         """Return a bond's stretch at t = 0, with an ``error``."""
         series = self.stretch(bond)
         return series[0] + 2 * sum(series[1:], arb(0)) + arb(0, upper(error))

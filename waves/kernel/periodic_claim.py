@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from flint import arb
+from flint import arb, fmpq
 
 from .chain_reading import springs_of, springs_text, strip_of
 from .cosine_series import Series, supremum, upper
 from .elliptic_pins import NearWave
 from .exponent import Stiffness
-from .limits import MAX_MODES, CertificateError, decimal
+from .limits import MAX_BITS, MAX_MODES, MIN_BITS, VERSION, CertificateError, decimal
 from .periodic import PeriodicCentre, Spring, contraction, energy
-from .reading import Ends, Record, ends_of
+from .reading import Ends, Record, check_claims, ends_of
 
 
 class PeriodicClaim:
@@ -20,6 +20,7 @@ class PeriodicClaim:
 
     def __init__(self, record: Record) -> None:
         self.springs = springs_of(record.record("lattice"))
+        self.cells: fmpq | None = None
         self.near = _near(record.record("near"), self.springs) if "near" in record else None
         if self.near:
             self.period, pins = self.near.period, self.near.modes(1)
@@ -29,6 +30,7 @@ class PeriodicClaim:
             )
         else:
             given = [record.number(name) for name in ("period", "mean", "first_mode")]
+            self.cells = given[0]
             self.period, pins = arb(given[0]), [arb(given[1]), arb(given[2])]
             self.pins = "period {}, mean {}, first mode {}".format(*given)
         modes = [arb(decimal(m)) for m in record.items("modes", MAX_MODES)]
@@ -92,6 +94,17 @@ class PeriodicClaim:
             f"The chain of unit masses with {springs_text(self.springs)} has a smooth even "
             f"periodic strain f(n - v t) with {self.pins}."
         )
+
+
+def proved_wave(record: Record) -> PeriodicClaim:
+    """Read the certificate of a periodic wave inside another one, and repeat its proof."""
+    if record.text("kind") != "periodic" or record.integer("version", 1, VERSION) != VERSION:
+        raise CertificateError("an exponent is proved for a periodic wave")
+    record.integer("bits", MIN_BITS, MAX_BITS)
+    wave = PeriodicClaim(record)
+    check_claims(record.record("claims"), wave.prove())
+    record.close()
+    return wave
 
 
 def _near(record: Record, springs: tuple[Spring, ...]) -> NearWave:
