@@ -171,9 +171,7 @@ def _certificate(
 ) -> dict[str, Any]:
     springs = chain_springs(lattice)
     if numbers["speed"]:
-        if [spring.neighbour for spring in springs] != [1]:
-            raise Refused("a solitary wave is proved for nearest neighbours only")
-        return solitary_certificate(springs[0], numbers["speed"], error)
+        return solitary_certificate(springs, numbers["speed"], error)
     if near:
         springs = _nearest_neighbours(lattice, near)
         _check_near(springs, near, numbers["k"], numbers["eps"])
