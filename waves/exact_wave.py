@@ -64,8 +64,13 @@ class ExactWave(Proved):
 
     @property
     def energy(self) -> Interval | None:
-        """Energy of one period of the wave at zero mean momentum; None if it is not proved."""
+        """Energy of a solitary wave, or of a period at zero mean momentum; None if not proved."""
         return self.numbers.get("energy")
+
+    @property
+    def momentum(self) -> Interval | None:
+        """Total momentum, -v times the integral of the strain, of a solitary wave; else None."""
+        return self.numbers.get("momentum")
 
     @property
     def distance(self) -> Interval | None:

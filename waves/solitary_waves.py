@@ -32,6 +32,9 @@ LEAST_MODES, MOST_MODES, GROWTH = 64, 800, 1.4
 SIZES = ((0.85, 0.4), (0.85, 0.8), (0.6, 1.0))
 """Sizes to try: the kernel's decay kappa over the wave's, the share of the modes in the block."""
 
+STRIPS = (0.4, 0.2, 0.1)
+"""Widths to try of the strip of an analytic force, as powers of the ratio of successive modes."""
+
 MARGIN = "0.01"
 """Distance from the values on the strip within which an analytic force is bounded."""
 
@@ -60,25 +63,25 @@ class _Chain:
         """Squared speed of sound."""
         return sum(float(jet[1]) * m * m for m, jet in self.jets(2))
 
-    def symbol(self, speed: float, k: Vector) -> Vector:
-        """Return v^2 - sum K_m T_m^2 at wavenumbers."""
-        squares = [jet[1] * _box(m, k) ** 2 for m, jet in self.jets(2)]
-        total: Vector = speed**2 - sum(squares, np.zeros_like(k))
-        return total
+    def symbol(self, speed: float, k: Any) -> Any:
+        """Return v^2 - sum K_m T_m^2 at wavenumbers, real or complex."""
+        return speed**2 - sum(jet[1] * _box(m, k) ** 2 for m, jet in self.jets(2))
 
     def decay(self, speed: float) -> float:
-        """Return the decay rate kappa of a solitary wave's tail, the symbol's zero i kappa."""
-        stiffness = [(m, float(jet[1])) for m, jet in self.jets(2)]
+        """Return the largest kappa such that Re Delta > 0 at Im k = kappa, the tail's decay rate.
 
-        def symbol(kappa: float) -> float:
-            boxes = [(s, 2 * math.sinh(m * kappa / 2) / kappa) for m, s in stiffness]
-            return speed**2 - sum(s * b * b for s, b in boxes)
+        It is where the symbol has its first zero if no spring pushes.
+        """
+        line = np.linspace(0, 8, 200)
 
-        rates = np.geomspace(1e-3, 8, 400)
-        last = next((i for i, rate in enumerate(rates) if symbol(rate) <= 0), 0)
+        def least(kappa: float) -> float:
+            return float(self.symbol(speed, line + 1j * kappa).real.min())
+
+        rates = np.geomspace(1e-3, 8, 100)
+        last = next((i for i, rate in enumerate(rates) if least(rate) <= 0), 0)
         if not last:
             raise CertificateError("no decay rate of the tail between 0.001 and 8 was found")
-        return float(brentq(symbol, rates[last - 1], rates[last], xtol=1e-14))
+        return float(brentq(least, rates[last - 1], rates[last], xtol=1e-14))
 
     def require_no_resonance(self, speed: float) -> None:
         """Raise Refused if waves of some wavenumber move with this speed."""
@@ -109,7 +112,8 @@ class _Approximation:
 
     @property
     def _wavenumbers(self) -> Vector:
-        return np.pi * np.arange(len(self.modes)) / self.half_length
+        count = len(self.modes)
+        return np.asarray(np.pi * np.arange(count) / self.half_length, dtype=np.float64)
 
     def step(self) -> Vector:
         """Return the change of the modes in a step of Newton's method."""
@@ -128,10 +132,9 @@ class _Approximation:
             residual -= analysis @ (values - rest[0] - rest[1] * strain)
             jacobian -= analysis @ ((slopes - rest[1])[:, None] * synthesis)
         try:
-            change: Vector = np.linalg.solve(jacobian, -residual)
+            return np.asarray(np.linalg.solve(jacobian, -residual), dtype=np.float64)
         except np.linalg.LinAlgError:
             raise CertificateError("Newton's method met a singular problem") from None
-        return change
 
     def solved(self) -> _Approximation:
         """Return the approximation after Newton's method. Raises CertificateError."""
@@ -156,15 +159,14 @@ class _Approximation:
         return _Approximation(self.chain, speed, half_length, self.modes * gaps[1] / gaps[0])
 
 
-def _box(m: int, k: Vector) -> Vector:
-    box: Vector = m * np.sinc(m * k / (2 * np.pi))
-    return box
+def _box(m: int, k: Any) -> Any:
+    return m * np.sinc(m * k / (2 * np.pi))
 
 
 def _jets(force: Force, r: Vector, terms: int) -> Vector:
     """Return Taylor coefficients of a force at the strains ``r``; shape (terms, len(r))."""
     if force.polynomial is not None:
-        law = np.polynomial.Polynomial([float(arb(c)) for c in force.polynomial])
+        law = np.polynomial.Polynomial([float(arb(c)) for c in force.polynomial] or [0.0])
         return np.array([law.deriv(i)(r) / math.factorial(i) for i in range(terms)])
     jets = [force.taylor(acb(float(x)), terms) for x in r]
     return np.array([[float(c.real) for c in jet] for jet in jets]).T
@@ -259,7 +261,7 @@ def _padded(wave: _Approximation, factor: float) -> _Approximation:
 def _sizes(wave: _Approximation) -> Iterator[dict[str, Any]]:
     """Yield kernel decays, blocks and strips to try."""
     rate = HALF_LENGTH / wave.half_length
-    for strip in strips(wave.chain.springs, wave.stretch(1)):
+    for strip in strips(wave.chain.springs, wave.stretch(1), STRIPS):
         for decay, share in SIZES:
             yield {
                 "kappa": f"{decay * rate:.6f}",
@@ -329,11 +331,10 @@ class _Linear:
     @cached_property
     def inverse(self) -> Vector:
         """Inverse of 1 - P N' T."""
-        total: Vector = np.eye(len(self.pull))
+        total = np.eye(len(self.pull))
         for box, slope in zip(self.boxes, self.slopes, strict=True):
-            total = total - (box / self.pull)[:, None] * slope * box
-        inverse: Vector = np.linalg.inv(total)
-        return inverse
+            total -= (box / self.pull)[:, None] * slope * box
+        return np.asarray(np.linalg.inv(total), dtype=np.float64)
 
     def corrected(
         self, functions: Sequence[Series], images: Sequence[Series]
