@@ -21,10 +21,10 @@ import numpy as np
 from flint import acb, fmpq
 from numpy.typing import NDArray
 
-from longwave.waves.exact_wave import ExactWave, Existence
+from longwave.waves.exact_wave import ExactWave
 from longwave.waves.kernel.force_text import Force, read_force
 from longwave.waves.kernel.periodic import Spring
-from longwave.waves.proved import proved
+from longwave.waves.proved import Existence, proved
 from longwave.waves.solitary_waves import solitary_certificate
 
 POINTS = 384

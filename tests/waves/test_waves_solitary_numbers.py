@@ -9,7 +9,7 @@ import mpmath
 import pytest
 from flint import arb, ctx, fmpq
 
-from longwave.waves.exact_wave import ExactWave, Existence
+from longwave.waves.exact_wave import ExactWave
 from longwave.waves.kernel.check import check_certificate
 from longwave.waves.kernel.force_text import read_force
 from longwave.waves.kernel.limits import CertificateError
@@ -17,7 +17,7 @@ from longwave.waves.kernel.line_kernel import LineKernel
 from longwave.waves.kernel.periodic import Spring
 from longwave.waves.kernel.reading import Record
 from longwave.waves.kernel.solitary_claim import SolitaryClaim
-from longwave.waves.proved import Interval, proved
+from longwave.waves.proved import Existence, Interval, proved
 from longwave.waves.solitary_waves import solitary_certificate
 from longwave.waves.springs import Refused
 
