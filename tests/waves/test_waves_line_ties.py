@@ -10,7 +10,7 @@ import pytest
 from flint import arb, fmpq
 
 from longwave.derive import LATTICES
-from longwave.waves.exact_wave import ExactWave, Existence, exact_wave, waves_of_all_eps
+from longwave.waves.exact_wave import ExactWave, exact_wave, waves_of_all_eps
 from longwave.waves.kernel import line_tie_claim
 from longwave.waves.kernel.check import check_certificate
 from longwave.waves.kernel.force_text import read_force
@@ -18,6 +18,7 @@ from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.line_tie import LineTiePiece, Soliton, line_tie_contraction
 from longwave.waves.kernel.periodic import Contraction, Spring
 from longwave.waves.line_ties import line_tie_certificate
+from longwave.waves.proved import Existence
 
 
 def tie(eps: str, near: str = "soliton", **values: object) -> ExactWave:
