@@ -193,6 +193,17 @@ def test_numbers_contain_those_of_the_wave(
     assert abs(float(value.mid()) - wave.numbers[name].value) <= float(value.rad())
 
 
+@pytest.mark.parametrize(("d", "scale"), CENTRES)
+def test_the_profile_is_within_its_error(wave: ExactWave, d: float, scale: float) -> None:
+    """Catches the tail outside the interval that is left out."""
+    centre = coarse(wave, d, scale)
+    exact = np.where(np.abs(X) < 30, wave.at(X), 0)
+    radius = norm(exact**2 - on_line(centre, centre.modes[0])) * 1.0001
+    numbers = SolitaryNumbers(centre, solitary_contraction(centre), arb(radius))
+    difference = np.abs(exact - on_line(centre, centre.strain))
+    assert difference.max() <= float(numbers.profile_error)
+
+
 @pytest.mark.parametrize(("d", "scale"), [(9.0, 1.0), (12.0, 1.0005), (12.0, 0.9995)])
 def test_the_energy_slope_contains_that_of_the_wave(
     wave: ExactWave, d: float, scale: float
