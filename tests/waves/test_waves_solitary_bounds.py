@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from longwave.waves.exact_wave import ExactWave
 from longwave.waves.kernel.force_text import read_force
-from longwave.waves.kernel.periodic import Spring
+from longwave.waves.kernel.periodic import Contraction, Spring
 from longwave.waves.kernel.solitary import SolitaryCentre, solitary_contraction
 from longwave.waves.kernel.solitary_numbers import SolitaryNumbers
 from longwave.waves.proved import proved
@@ -227,3 +227,71 @@ def test_a_centre_that_is_not_a_wave_has_a_large_defect(wave: ExactWave) -> None
     centre = coarse(wave, 8)
     halved = replace(centre, modes=([c / 2 for c in centre.modes[0]],))
     assert solitary_contraction(halved).y0 > 100 * solitary_contraction(centre).y0
+
+
+ERRORS = [
+    ("y0", "delta"),
+    ("y0", "edge_slope"),
+    ("y0", "third"),
+    ("y0", "outer"),
+    ("y0", "outer_third"),
+    ("z1", "delta"),
+    ("z1", "edge_slope"),
+    ("z1", "third"),
+    ("z1", "outer"),
+    ("z1", "outer_third"),
+    ("z1", "images"),
+    ("z2", "third"),
+    ("z2", "outer_third"),
+    ("z2", "embedding"),
+]
+
+
+@pytest.mark.parametrize(("bound", "name"), ERRORS)
+def test_every_error_counts(wave: ExactWave, bound: str, name: str) -> None:
+    """Catches a term that is left out of a bound, though the others are larger."""
+    before = float(getattr(solitary_contraction(coarse(wave, 4)), bound))
+    centre = coarse(wave, 4)
+    centre.__dict__[name] = 10**6 * getattr(centre, name)
+    assert float(getattr(solitary_contraction(centre), bound)) > 10 * before
+
+
+NUMBER_ERRORS = [
+    ("crest", "delta"),
+    ("crest", "embedding"),
+    ("energy", "delta"),
+    ("energy", "outer"),
+    ("energy", "outer_third"),
+    ("energy", "weight"),
+    ("stretch", "outer"),
+    ("stretch", "outer_third"),
+]
+
+
+@pytest.mark.parametrize(("number", "name"), NUMBER_ERRORS)
+def test_every_error_of_a_number_counts(wave: ExactWave, number: str, name: str) -> None:
+    before = getattr(SolitaryNumbers(coarse(wave, 4), _NO_BOUNDS, arb("0.01")), number)
+    centre = coarse(wave, 4)
+    centre.__dict__[name] = 10**6 * getattr(centre, name)
+    after = getattr(SolitaryNumbers(centre, _NO_BOUNDS, arb("0.01")), number)
+    assert float(after.rad()) > 10 * float(before.rad())
+
+
+@pytest.mark.parametrize("name", ["slope_rest", "values_rest", "third", "outer_third"])
+def test_every_error_of_the_derivative_counts(wave: ExactWave, name: str) -> None:
+    results = []
+    for factor in (0, 10**9):
+        centre = coarse(wave, 9, block=22)
+        bounds = solitary_contraction(centre)
+        if name.endswith("_rest"):
+            law = replace(centre.laws[0], **{name: arb(factor) / 10**9})
+            centre.__dict__["laws"] = (law,)
+        else:
+            centre.__dict__[name] = (1 + factor) * getattr(centre, name)
+        numbers = SolitaryNumbers(centre, bounds, arb("1e-6"))
+        value = numbers.energy_slope(centre.modes) if name != "values_rest" else numbers.energy
+        results.append(float(value.rad()))
+    assert results[1] > 2 * results[0]
+
+
+_NO_BOUNDS = Contraction(arb(0), arb(0), arb(0), arb(0))
