@@ -53,7 +53,7 @@ class ExactWave(Proved):
 
     @property
     def numbers(self) -> dict[str, Interval]:
-        """Proved numbers by name: speed, crest, energy, distance."""
+        """Proved numbers by name, such as speed, crest, energy, momentum, distance."""
         numbers = super().numbers
         if "speed" in self.certificate:
             speed = Fraction(self.certificate["speed"])
@@ -112,9 +112,10 @@ class ExactWave(Proved):
         return ring_stability(self.certificate, wavelengths)
 
     def at(self, x: ArrayLike) -> NDArray[np.float64]:
-        """Return the strain f(x) in double precision; the wave's proved error is `radius`.
+        """Return the strain f(x) in double precision; its proved error is `radius`.
 
-        For a solitary wave it is the periodic series on the certificate's interval, and 0 outside.
+        For a solitary wave it is the periodic series on the certificate's interval, and 0 outside;
+        its proved error is the upper end of the number ``profile_error``.
         """
         from longwave.waves.profiles import strain
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -237,17 +237,10 @@ def _certificate(chain: _Chain, speed: fmpq, error: float) -> dict[str, Any]:
     while len(wave.modes) <= MOST_MODES:
         size = np.abs(wave.modes)
         if size[-8:].max() < 1e-14 * size.max():
-            for sizes in _sizes(wave):
-                try:
-                    data = _prove(_padded(wave, PADDING), speed, sizes)
-                except CertificateError as reason:
-                    failure = reason
-                    continue
-                low, high = map(arb, data["claims"]["crest"])
-                if float(high - low) <= 2 * error:
-                    return data
-                failure = CertificateError(f"the radius {data['radius']} is too large")
-                break
+            try:
+                return _proved(_padded(wave, PADDING), speed, error)
+            except CertificateError as reason:
+                failure = reason
         wave = _padded(wave, GROWTH).solved()
     raise failure
 
@@ -258,20 +251,37 @@ def _padded(wave: _Approximation, factor: float) -> _Approximation:
     return replace(wave, modes=np.pad(wave.modes, (0, more)))
 
 
-def _sizes(wave: _Approximation) -> Iterator[dict[str, Any]]:
-    """Yield kernel decays, blocks and strips to try."""
-    rate = HALF_LENGTH / wave.half_length
+def _proved(wave: _Approximation, speed: fmpq, error: float) -> dict[str, Any]:
+    """Return a certificate, with the first strip and sizes for which the proof succeeds.
+
+    Raises CertificateError with the last inequality that failed.
+    """
+    failure = CertificateError("no strip was found on which the force is analytic")
     for strip in strips(wave.chain.springs, wave.stretch(1), STRIPS):
+        try:
+            draft = _draft(wave, speed, {**strip, "margin": MARGIN} if strip else None)
+        except CertificateError as reason:
+            failure = reason
+            continue
         for decay, share in SIZES:
-            yield {
-                "kappa": f"{decay * rate:.6f}",
+            sizes = {
+                "kappa": f"{decay * HALF_LENGTH / wave.half_length:.6f}",
                 "block": math.ceil(share * len(wave.modes)),
-                **({"strip": {**strip, "margin": MARGIN}} if strip else {}),
             }
+            try:
+                data = _completed({**draft, **sizes})
+            except CertificateError as reason:
+                failure = reason
+                continue
+            low, high = map(arb, data["claims"]["crest"])
+            if float(high - low) <= 2 * error:
+                return data
+            failure = CertificateError(f"the radius {data['radius']} is too large")
+    raise failure
 
 
-def _prove(wave: _Approximation, speed: fmpq, sizes: Mapping[str, Any]) -> dict[str, Any]:
-    """Refine an approximation, find a radius that contracts, and return the certificate."""
+def _draft(wave: _Approximation, speed: fmpq, strip: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return a certificate with refined modes, without a radius that is proved."""
     springs = wave.chain.springs
     data: dict[str, Any] = {
         "kind": "solitary",
@@ -282,14 +292,21 @@ def _prove(wave: _Approximation, speed: fmpq, sizes: Mapping[str, Any]) -> dict[
         "speed": str(speed),
         "bits": BITS,
         "half_length": f"{wave.half_length:.6f}",
-        **sizes,
+        "kappa": f"{SIZES[0][0] * HALF_LENGTH / wave.half_length:.6f}",
+        "block": len(wave.modes),
         "radius_bound": "1e-5",
         "radius": "1e-5",
         "modes": ["0"] * len(wave.modes) * len(nonlinear_springs(springs)),
+        **({"strip": strip} if strip else {}),
     }
     modes, slope_modes = _refined(_start(wave, SolitaryClaim(Record(data, "certificate")).centre))
     data["modes"] = [decimal_text(c) for c in modes]
     data["slope_modes"] = [decimal_text(c) for c in slope_modes]
+    return data
+
+
+def _completed(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the certificate with a radius that contracts, and the claims."""
     claim = SolitaryClaim(Record(data, "certificate"))
     data["radius"] = contracting_radius(claim.bounds)
     claim.radius = arb(decimal(data["radius"]))

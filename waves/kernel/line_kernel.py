@@ -13,7 +13,7 @@ Hence |kernel*h| <= (C_j/sqrt(kappa)) ||h|| and ||kernel*h|| <= (2 C_j/kappa) ||
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -22,10 +22,10 @@ from flint import acb, arb
 from .cosine_series import upper
 from .limits import CertificateError
 
-PIECES = 32
-"""Number of pieces of the line of integration in the length kappa."""
+ACCURACY = 8
+"""Least ratio of |Delta| to its error on a piece of the line of integration."""
 
-MOST_PIECES = 20_000
+MOST_PIECES = 5000
 END = 16
 """Least end of the pieces; beyond it, the integrand is bounded by its decay 1/k^2."""
 
@@ -72,11 +72,7 @@ class LineKernel:
         pull = 4 * sum((abs(s) * growth[m] for m, s in self.stiffness), arb(0))
         end = upper((2 * (pull / self.speed_squared).sqrt()).max(arb(END)))
         totals = [arb(0)] * POWERS
-        for low, step in self._pieces(end):
-            squares = {m: self._square(m, low, step) for m in growth}
-            delta = self.speed_squared - sum((s * squares[m] for m, s in self.stiffness), acb(0))
-            if not delta.real > 0:
-                raise CertificateError("the symbol is not proved positive for this speed and kappa")
+        for step, squares, delta in self._pieces(end, growth):
             size = step * sum((abs(squares[m]) for m in self.boxes), arb(0))
             for j in range(POWERS):
                 size = upper(size / abs(delta))
@@ -89,16 +85,20 @@ class LineKernel:
             raise CertificateError("the kernel is not bounded for this speed and kappa")
         return tuple(totals)
 
-    def _pieces(self, end: arb) -> Iterator[tuple[arb, arb]]:
-        """Yield beginning and length of pieces that cover (0, ``end``), all exact."""
-        low, most = arb(0), arb(1) / (8 * max(m for m, _ in self.stiffness))
+    def _pieces(self, end: arb, boxes: Iterable[int]) -> Iterator[tuple[arb, dict[int, acb], acb]]:
+        """Yield length, T_m^2 and Delta on pieces that cover (0, ``end``), where Re Delta > 0."""
+        low, step = arb(0), self.kappa.mid() / ACCURACY
         for _ in range(MOST_PIECES):
-            step = ((self.kappa + low) / PIECES).min(most).mid()
-            yield low, step
-            low = (low + step).lower()
+            squares = {m: self._square(m, low, step) for m in boxes}
+            delta = self.speed_squared - sum((s * squares[m] for m, s in self.stiffness), acb(0))
+            if not (abs(delta - delta.mid()) * ACCURACY < abs(delta) and delta.real > 0):
+                step = (step / 2).mid()
+                continue
+            yield step, squares, delta
+            low, step = (low + step).lower(), (3 * step / 2).mid()
             if low >= end:
                 return
-        raise CertificateError(f"the kernel must be bounded by at most {MOST_PIECES} pieces")
+        raise CertificateError("the symbol is not proved positive for this speed and kappa")
 
     def _square(self, m: int, low: arb, step: arb) -> acb:
         """Enclose T_m^2 at k = x + i kappa, low <= x <= low + ``step``, from the middle.

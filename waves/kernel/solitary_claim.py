@@ -72,7 +72,8 @@ class SolitaryClaim:
         }
         if self.slope_modes:
             proved["energy_slope"] = numbers.energy_slope(self.slope_modes)
-        return {name: ends_of(value) for name, value in proved.items()}
+        ends = {name: ends_of(value) for name, value in proved.items()}
+        return {**ends, "profile_error": (arb(0), numbers.profile_error)}
 
     @property
     def statement(self) -> str:

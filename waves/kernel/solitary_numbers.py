@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 from flint import arb, arb_poly
 
-from .cosine_series import Series, entry, norm, product, upper
+from .cosine_series import Series, entry, largest, norm, product, upper
 from .limits import CertificateError
 from .periodic import Contraction
 from .solitary import Law, SolitaryCentre
@@ -44,6 +44,11 @@ class SolitaryNumbers:
         modes, centre = self.centre.strain, self.centre
         error = centre.embedding * self.radius + centre.delta * centre.edge
         return modes[0] + 2 * sum(modes[1:], arb(0)) + _around_zero(error)
+
+    @property
+    def profile_error(self) -> arb:
+        """Bound of |f - periodic strain| on (-d, d) and of |f| outside."""
+        return largest([self.reach, self.outer])
 
     @property
     def reach(self) -> arb:
