@@ -15,7 +15,9 @@ from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.lattice import Lattice
 from longwave.waves.kernel.elliptic_pins import FORMS, NearWave
 from longwave.waves.kernel.limits import CertificateError
+from longwave.waves.kernel.line_tie import Soliton
 from longwave.waves.kernel.periodic import Spring
+from longwave.waves.line_ties import line_tie_certificate
 from longwave.waves.periodic_waves import PeriodicProblem, periodic_certificate
 from longwave.waves.proved import Interval, Proved, proved, rational
 from longwave.waves.small_waves import tie_certificate
@@ -26,6 +28,9 @@ if TYPE_CHECKING:
     from longwave.waves.rings import RingStability
 
 __all__ = ["ExactWave", "Exponent", "exact_wave", "waves_of_all_eps"]
+
+SOLITONS = {"soliton": (2, 3), "soliton_sech": (3,), "kdv_soliton": (2,)}
+"""Names of solitons, each with the powers of the force that have it: 2 for KdV, 3 for mKdV."""
 
 
 @dataclass(frozen=True)
@@ -157,7 +162,7 @@ def exact_wave(
     return _verdict(lambda: _certificate(lattice, near, numbers, error))
 
 
-def waves_of_all_eps(lattice: Lattice, *, near: str, k: Number, eps: Number) -> ExactWave:
+def waves_of_all_eps(lattice: Lattice, *, near: str, k: Number = 0, eps: Number) -> ExactWave:
     """Prove that a chain has a wave next to that of its reduced equation for all 0 < e <= ``eps``.
 
     Y is the "dn", "cn" or "sn" wave of the modified KdV equation with modulus ``k``, for an odd
@@ -168,6 +173,11 @@ def waves_of_all_eps(lattice: Lattice, *, near: str, k: Number, eps: Number) -> 
     For a polynomial force with r^2, Y is the "cnoidal" wave of KdV, f is next to e^2 Y, and
     ``distance_over_eps4`` contains sup |f - e^2 Y|/e^4.
 
+    With ``near`` "soliton" the wave is solitary, with v^2 = K2 (1 + e^2), and ``k`` is not given. Y
+    is the soliton sech^2 of KdV for a polynomial force with r^2, and the soliton sech of the
+    modified KdV equation for an odd one with K4 > 0. ``near`` may be "kdv_soliton" or
+    "soliton_sech", as in the catalogue.
+
     >>> from longwave.derive import LATTICES
     >>> chain = LATTICES["fput_strain"].with_values({"K2": 1, "K3": 0, "K4": 1})
     >>> wave = waves_of_all_eps(chain, near="dn", k="3/5", eps="1/10")
@@ -177,11 +187,33 @@ def waves_of_all_eps(lattice: Lattice, *, near: str, k: Number, eps: Number) -> 
     exact = {"k": rational("k", k), "eps": rational("eps", eps)}
 
     def certificate() -> dict[str, Any]:
+        if near in SOLITONS:
+            return _soliton_certificate(lattice, near, exact["k"], exact["eps"])
         springs = _nearest_neighbours(lattice, near)
         _check_near(springs, near, exact["k"], exact["eps"])
         return tie_certificate(springs[0], near, exact["k"], exact["eps"])
 
     return _verdict(certificate)
+
+
+def _soliton_certificate(lattice: Lattice, near: str, k: fmpq, eps: fmpq) -> dict[str, Any]:
+    if k:
+        raise ValueError(f"k must not be given with near {near}, got {k} (a soliton has none)")
+    if not eps > 0:
+        raise ValueError(f"eps must be > 0, got {eps}")
+    springs = chain_springs(lattice)
+    if [spring.neighbour for spring in springs] != [1]:
+        raise Refused("a wave near a soliton is proved for nearest neighbours only")
+    try:
+        power = Soliton.of(springs[0].force).power
+    except CertificateError as reason:
+        raise Refused(str(reason)) from reason
+    if power not in SOLITONS[near]:
+        raise ValueError(
+            f"near must be {'kdv_soliton' if power == 2 else 'soliton_sech'} for this force, "
+            f"got {near!r}"
+        )
+    return line_tie_certificate(springs[0], eps)
 
 
 def _verdict(find: Callable[[], dict[str, Any]]) -> ExactWave:
@@ -218,6 +250,11 @@ def _certificate(
 
 
 def _nearest_neighbours(lattice: Lattice, near: str) -> tuple[Spring, ...]:
+    if near in SOLITONS:
+        raise ValueError(
+            f"near {near} is proved for all eps at once (--every-eps-to 7/100), not for one eps; "
+            "one solitary wave is given by its speed"
+        )
     if near not in FORMS:
         raise ValueError(f"near must be one of {', '.join(FORMS)}, got {near!r}")
     springs = chain_springs(lattice)

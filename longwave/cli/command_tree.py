@@ -155,11 +155,11 @@ def fit(
 @click.argument("model", metavar="MODEL|FILE.toml")
 @click.option("--set", "sets", multiple=True, metavar="NAME=VALUE,...", help="Values of constants.")
 @click.option(
-    "--near", metavar="dn|cn|sn|cnoidal", help="The wave next to this one of mKdV or KdV."
+    "--near", metavar="dn|cn|sn|cnoidal|soliton", help="The wave next to this one of mKdV or KdV."
 )
 @click.option("--k", metavar="X", help="Modulus of --near, 0 < k < 1.")
 @click.option("--eps", metavar="X", help="Small parameter of --near.")
-@click.option("--every-eps-to", metavar="X", help="All eps up to this one, for --near and --k.")
+@click.option("--every-eps-to", metavar="X", help="All eps up to this one, for --near (and --k).")
 @click.option("--period", metavar="P", help="A periodic wave of this period in cells.")
 @click.option("--mean", metavar="X", help="Its mean strain (0).")
 @click.option("--first-mode", metavar="X", help="Its first mode f_1: f_0 + 2 f_1 cos(...) + ...")

@@ -9,6 +9,7 @@ from flint import ctx
 
 from .exponent_claim import ExponentClaim
 from .limits import MAX_BITS, MIN_BITS, VERSION, CertificateError
+from .line_tie_claim import LineTieClaim
 from .orbit_claim import BreatherClaim, OrbitClaim
 from .periodic_claim import PeriodicClaim
 from .reading import Ends, Record, check_claims
@@ -34,6 +35,7 @@ CLAIMS: Mapping[str, Callable[[Record], WaveClaim]] = {
     "exponent": ExponentClaim,
     "ring": RingClaim,
     "tie": TieClaim,
+    "line_tie": LineTieClaim,
     "orbit": OrbitClaim,
     "breather": BreatherClaim,
 }

@@ -72,6 +72,16 @@ def largest(values: Iterable[arb]) -> arb:
     return upper(result)
 
 
+def least(bounds: Iterable[arb]) -> arb:
+    """Return the least of lower bounds of nonnegative numbers; 0 if one is not above 0."""
+    result = arb.pos_inf()
+    for bound in bounds:
+        if not bound > 0:
+            return arb(0)
+        result = result.min(bound)
+    return result.lower()
+
+
 STEPS = 4096
 """Number of points of a period at which the supremum of a function is sought."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from flint import arb, fmpq
@@ -73,6 +73,23 @@ class Record:
             raise CertificateError(
                 f"{self._name} has unknown keys: {', '.join(map(str, self._data))[:80]}"
             )
+
+
+def pieces_to(end: fmpq, items: Sequence[Any]) -> Iterator[tuple[Record, fmpq, fmpq]]:
+    """Yield the pieces of the range 0 ... ``end``, each with its ends; the last is its "square".
+
+    Raises CertificateError unless they rise from 0 to ``end``.
+    """
+    reached = fmpq(0)
+    for item in items:
+        piece = Record(item, "piece")
+        last = piece.number("square")
+        if not reached < last:
+            raise CertificateError("the pieces of eps^2 must rise from 0")
+        yield piece, reached, last
+        reached = last
+    if reached != end:
+        raise CertificateError("the pieces of eps^2 must end at the square of eps")
 
 
 Ends = tuple[arb, arb]

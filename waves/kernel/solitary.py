@@ -11,11 +11,10 @@ functions of L^2. The centre is a cosine polynomial on (-d, d) and 0 outside:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from flint import acb, arb, arb_mat, ctx
+from flint import acb, arb
 
 from .composition import trimmed
 from .cosine_series import (
@@ -30,7 +29,8 @@ from .cosine_series import (
     upper,
 )
 from .force_text import Force
-from .limits import CertificateError, require_size
+from .limits import CertificateError
+from .line_block import LineBlock, exponential_integral, line_block
 from .periodic import Contraction
 
 TAYLOR_PIECES = 32
@@ -131,7 +131,7 @@ class SolitaryCentre:
     def weighted_size(self) -> arb:
         """Weighted norm G = (2 d times the integral of g^2 exp(2 kappa |x|))^(1/2)."""
         square = product(self.modes, self.modes)
-        total = _exponential_integral(square, 2 * self.kappa, self.half_length)
+        total = exponential_integral(square, 2 * self.kappa, self.half_length)
         return upper((2 * self.half_length * total).abs_upper().sqrt())
 
     @cached_property
@@ -155,16 +155,6 @@ class SolitaryCentre:
         return upper(self.decay_constant * self.weighted_size * self.edge)
 
 
-def _exponential_integral(f: Series, rate: arb, half_length: arb) -> arb:
-    """Return the integral of f(x) exp(rate |x|) over (-d, d), f in cosines of pi n x/d."""
-    grown, total = (rate * half_length).exp(), arb(0)
-    for n, coefficient in enumerate(f):
-        wave = arb.pi() * n / half_length
-        value = 2 * rate * ((-1) ** n * grown - 1) / (rate * rate + wave * wave)
-        total += (2 if n else 1) * coefficient * value
-    return total
-
-
 def solitary_contraction(centre: SolitaryCentre) -> Contraction:
     """Return the bounds of the map g - A F(g) about a centre. Raises CertificateError."""
     if not (centre.gap > 0 and centre.sound_squared > 0):
@@ -174,8 +164,8 @@ def solitary_contraction(centre: SolitaryCentre) -> Contraction:
     slope, rest = trimmed(
         polynomial_of(derivative(centre.nonlinear, 1), centre.strain), arb(1), 1e-9
     )
-    inverse, block = _linear_block(centre, slope)
-    size = largest([arb(1), _spectral_norm(inverse)])
+    block = _block(centre, slope)
+    size = block.size
     delta, d, gap, kappa = centre.periodic_error, centre.half_length, centre.gap, centre.kappa
     inner = upper(norm(centre.strain, arb(1)) + delta)
     reach = largest([inner, centre.outer_strain])
@@ -202,82 +192,29 @@ def solitary_contraction(centre: SolitaryCentre) -> Contraction:
         p - 1
     ) * widest ** (p - 2)
     return Contraction(
-        upper(_periodic_defect(centre, inverse) + size * defect),
-        block,
+        upper(block.image_size(_periodic_defect(centre)) + size * defect),
+        block.contraction,
         upper(size * linear),
         upper(size * second * centre.embedding / gap),
     )
 
 
-def _matrix(
-    centre: SolitaryCentre, slope: Series, rows: Sequence[int], columns: Sequence[int]
-) -> arb_mat:
-    """Return entries of W K_per in the orthonormal cosine basis; W has the modes ``slope``."""
-    root, entries = arb(2).sqrt(), []
-    multipliers = [centre.multiplier(j) for j in columns]
-    for i in rows:
-        for j, multiplier in zip(columns, multipliers, strict=True):
-            if i and j:
-                weight = entry(slope, i - j) + entry(slope, i + j)
-            else:
-                weight = entry(slope, i + j) * (root if i + j else 1)
-            entries.append(weight * multiplier)
-    return arb_mat(len(rows), len(columns), entries)
+def _block(centre: SolitaryCentre, slope: Series) -> LineBlock:
+    """Return the inverted linear part; W has the modes ``slope``."""
+    wave = arb.pi() * (centre.top + 1) / centre.half_length
+    tail = 1 / (centre.gap + centre.speed_squared * wave * wave / 12)
+    return line_block(slope, centre.multiplier, tail, centre.top, centre.half_length)
 
 
-def _linear_block(centre: SolitaryCentre, slope: Series) -> tuple[arb_mat, arb]:
-    """Return the inverse of the block of known modes, and the norm of I - A (I - W K_per).
-
-    W has the modes ``slope``.
-    """
-    top, width = centre.top, len(slope) - 1
-    require_size((top + 1) * (top + 1 + width))
-    inside, outside = range(top + 1), range(top + 1, top + width + 1)
-    identity = arb_mat(top + 1, top + 1, [arb(i == j) for i in inside for j in inside])
-    block = identity - _matrix(centre, slope, inside, inside)
-    precision, ctx.prec = ctx.prec, 64
-    try:
-        inverse = block.mid().inv().mid()
-    except ZeroDivisionError:
-        raise CertificateError("the linear problem has no inverse here") from None
-    finally:
-        ctx.prec = precision
-    wave = arb.pi() * (top + 1) / centre.half_length
-    tail = norm(slope, arb(1)) / (centre.gap + centre.speed_squared * wave * wave / 12)
-    norms = [
-        _spectral_norm(identity - inverse * block),
-        _spectral_norm(inverse * _matrix(centre, slope, inside, outside)) if outside else arb(0),
-        _spectral_norm(_matrix(centre, slope, outside, inside)) if outside else arb(0),
-        tail,
-    ]
-    return inverse, upper(sum((n * n for n in norms), arb(0)).abs_upper().sqrt())
-
-
-def _spectral_norm(matrix: arb_mat) -> arb:
-    """Bound the spectral norm: root of the product of largest row sum and largest column sum."""
-    sizes = [[abs(value) for value in row] for row in matrix.tolist()]
-    rows = largest(sum(row, arb(0)).upper() for row in sizes)
-    columns = largest(sum(column, arb(0)).upper() for column in zip(*sizes, strict=True))
-    return upper((rows * columns).sqrt())
-
-
-def _periodic_defect(centre: SolitaryCentre, inverse: arb_mat) -> arb:
-    """Return the norm of A (g - N(f_p)), where A is ``inverse`` on the known modes."""
+def _periodic_defect(centre: SolitaryCentre) -> Series:
+    """Return the modes of g - N(f_p)."""
     values = polynomial_of(centre.nonlinear, centre.strain)
-    first, other = (2 * centre.half_length).sqrt(), 2 * centre.half_length.sqrt()
-    scaled = [
-        (entry(centre.modes, n) - entry(values, n)) * (other if n else first)
-        for n in range(max(len(values), centre.top + 1))
-    ]
-    inside = inverse * arb_mat(centre.top + 1, 1, scaled[: centre.top + 1])
-    total = arb(0)
-    for value in (*inside.entries(), *scaled[centre.top + 1 :]):
-        total += abs(value) * abs(value)
-    return upper(total.abs_upper().sqrt())
+    count = max(len(values), centre.top + 1)
+    return [entry(centre.modes, n) - entry(values, n) for n in range(count)]
 
 
 def _edge_slope(centre: SolitaryCentre, slope: Series) -> arb:
     """Return the root of the integral of W^2 exp(-2 kappa (d - |x|)); W is ``slope``."""
     square = product(slope, slope)
-    total = _exponential_integral(square, 2 * centre.kappa, centre.half_length)
+    total = exponential_integral(square, 2 * centre.kappa, centre.half_length)
     return upper((total * (-2 * centre.kappa * centre.half_length).exp()).abs_upper().sqrt())

@@ -4,20 +4,18 @@ For V'(r) = K2 r + sum c_n r^n, f = eps^p Y, v^2 = K2 + eps^2 sigma and the peri
 
     (sigma + K2 m_j) Y_j - mu_j G(Y)_j = 0,   1 - mu_j = eps^2 m_j,   xi_j = 2 pi j/P_X,
     G(Y) = sum c_n eps^(p n - p - 2) Y^n = G_0(Y) + eps^2 G_1(Y),  G_0 = K3 Y^2 or K4 Y^3,
-    m_j = xi_j^2 h(u),  h(u) = 2 sum (-u)^n/(2 n + 4)!,  u = (eps xi_j)^2,
+    m_j = xi_j^2 h(u),  u = (eps xi_j)^2,  h and h_2 as in `long_waves`,
 
-where the wave of the reduced equation has the defect eps^2 R_j, h_2 = (h - 1/12)/u,
+where the wave of the reduced equation has the defect eps^2 R_j,
 R_j = Y_j (sigma_0 m_j + K2 (xi_j^4 h_2 + m_j xi_j^2/12)) - mu_j G_1(Y)_j.
-For all u >= 0: 0 <= h <= 1/12, |h'| <= 1/360, -1/360 <= h_2 <= 0, |h_2'| <= 1/20160.
 On each piece of eps^2 the centre is (sigma_0, Y) + eps^2 (sigma_1, y_1), the radius c eps^2.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import factorial
 
 from flint import arb, arb_mat
 
@@ -37,10 +35,8 @@ from .cosine_series import (
 )
 from .elliptic_pins import NearWave
 from .limits import MAX_MODES, CertificateError, require_size
+from .long_waves import h, h2
 from .periodic import Contraction, approximate_inverse, column_norms, identity
-
-TERMS = 30
-"""Number of terms of the power series of h used near 0."""
 
 CUT = 1e-20
 
@@ -128,7 +124,7 @@ class TiePiece:
     def dispersion(self, j: int) -> arb:
         """Return m_j = (1 - mu_j)/eps^2, as a ball for every eps of the piece."""
         xi = self.wavenumber(j)
-        return xi * xi * _lipschitz(_h, self.square * xi * xi, 360)
+        return xi * xi * h(self.square * xi * xi)
 
     def mobility(self, j: int) -> arb:
         """Return mu_j = 1 - eps^2 m_j."""
@@ -141,7 +137,7 @@ class TiePiece:
     def defect(self, j: int) -> arb:
         """Return R_j without G_1: the defect of the reduced equation's wave over eps^2."""
         xi2, m = self.wavenumber(j) ** 2, self.dispersion(j)
-        second = _lipschitz(_h2, self.square * xi2, 20160)
+        second = h2(self.square * xi2)
         return self.modes[j] * (self.sigma * m + self.k2 * (xi2 * xi2 * second + m * xi2 / 12))
 
     @cached_property
@@ -154,32 +150,6 @@ class TiePiece:
         if not least > 0:
             raise CertificateError("sigma_0 + K2 m > 0 fails in the tail (take more modes)")
         return least
-
-
-def _lipschitz(function: Callable[[arb], arb], u: arb, inverse_slope: int) -> arb:
-    """Return a function on the ball ``u``; its slope is at most 1/``inverse_slope``."""
-    return function(u.mid()) + arb(0, upper(u.rad() / inverse_slope))
-
-
-def _h(u: arb) -> arb:
-    if u > 1:
-        half = u.sqrt() / 2
-        ratio = half.sin() / half
-        return (1 - ratio * ratio) / u
-    return _series(u, 0)
-
-
-def _h2(u: arb) -> arb:
-    return (_h(u) - arb(1) / 12) / u if u > 1 else _series(u, 1)
-
-
-def _series(u: arb, first: int) -> arb:
-    """Return 2 sum over n >= first of (-1)^n u^(n - first)/(2 n + 4)! for |u| <= 1."""
-    total = arb(0, arb(4) / factorial(2 * (first + TERMS) + 4))
-    for n in reversed(range(TERMS)):
-        total = total * u if n < TERMS - 1 else total
-        total += arb(2 * (-1) ** (n + first)) / factorial(2 * (n + first) + 4)
-    return total
 
 
 def tie_contraction(piece: TiePiece) -> Contraction:

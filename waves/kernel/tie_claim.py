@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from flint import arb, fmpq
 
 from .chain_reading import springs_of
-from .cosine_series import largest, upper
+from .cosine_series import largest, least, upper
 from .elliptic_pins import NearWave
 from .limits import MAX_MODES, CertificateError, decimal
-from .reading import Ends, Record
+from .reading import Ends, Record, pieces_to
 from .tie import TiePiece, scaled_distance, tie_contraction
 
 MAX_PIECES = 5000
@@ -34,26 +32,20 @@ class TieClaim:
 
     def prove(self) -> dict[str, Ends]:
         """Return the proved constants for all eps. Raises CertificateError if a piece fails."""
-        low, high, speed, reached = [], [], [], fmpq(0)
-        for item in self.pieces:
-            piece, bound, last = _tie_piece(Record(item, "piece"), self.wave, self.weight, reached)
-            if not reached < last:
-                raise CertificateError("the pieces of eps^2 must rise from 0")
+        low, high, speed = [], [], []
+        for item, first, last in pieces_to(self.eps * self.eps, self.pieces):
+            piece, bound = _tie_piece(item, self.wave, self.weight, first, last)
             tie_contraction(piece).require(bound)
             change = abs(piece.correction[0]) + bound / self.weight
             square = upper(piece.square)
             if not piece.k2 - square * (abs(piece.sigma) + square * change) > 0:
                 raise CertificateError("v^2 > 0 is not proved")
             ends = scaled_distance(piece, bound)
-            low.append(-ends[0])
+            low.append(ends[0])
             high.append(ends[1])
             speed.append(upper(change))
-            reached = last
-        if reached != self.eps * self.eps:
-            raise CertificateError("the pieces of eps^2 must end at the square of eps")
-        least = -_greatest(low)
         return {
-            self.distance: (least.max(arb(0)).lower(), largest(high)),
+            self.distance: (least(low), largest(high)),
             "speed_over_eps4": (arb(0), largest(speed)),
         }
 
@@ -75,21 +67,14 @@ class TieClaim:
         )
 
 
-def _greatest(values: Sequence[arb]) -> arb:
-    result = values[0]
-    for value in values[1:]:
-        result = result.max(value)
-    return result.upper()
-
-
 def _tie_piece(
-    item: Record, wave: NearWave, weight: arb, reached: fmpq
-) -> tuple[TiePiece, arb, fmpq]:
-    """Read the piece of the range of eps^2 from ``reached`` on; return it, its bound c, its end."""
-    last, bound = item.number("square"), arb(item.number("bound"))
+    item: Record, wave: NearWave, weight: arb, first: fmpq, last: fmpq
+) -> tuple[TiePiece, arb]:
+    """Read the piece of eps^2 from ``first`` to ``last``; return it and its bound c."""
+    bound = arb(item.number("bound"))
     correction = [arb(decimal(c)) for c in item.items("correction", MAX_MODES)]
     item.close()
     if not bound > 0 or not weight > 0 or len(correction) < 2:
         raise CertificateError("bound > 0, weight > 0 and at least two modes must hold")
-    square = arb(reached).union(arb(last))
-    return TiePiece(wave, square, correction, weight, upper(bound * arb(last))), bound, last
+    square = arb(first).union(arb(last))
+    return TiePiece(wave, square, correction, weight, upper(bound * arb(last))), bound
