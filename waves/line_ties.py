@@ -80,6 +80,7 @@ class _Corrections:
 
     def pieces(self, square: fmpq) -> list[dict[str, Any]]:
         """Return pieces that cover eps^2 = 0 ... ``square``; one whose proof fails is halved."""
+        line_tie_contraction(self._at(arb(square)))  # refuses a large eps at once
         count = min(max(LEAST_PIECES, math.ceil(float(square / PIECE))), FIRST_PIECES)
         ends = [square * i / count for i in range(count + 1)]
         remaining = [*pairwise(ends)][::-1]

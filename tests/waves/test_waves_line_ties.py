@@ -1,0 +1,290 @@
+"""Solitary waves of all small eps next to solitons, and certificates that must be refused."""
+
+import copy
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from flint import arb, fmpq
+
+from longwave.derive import LATTICES
+from longwave.waves.exact_wave import ExactWave, Existence, exact_wave, waves_of_all_eps
+from longwave.waves.kernel import line_tie_claim
+from longwave.waves.kernel.check import check_certificate
+from longwave.waves.kernel.force_text import read_force
+from longwave.waves.kernel.limits import CertificateError
+from longwave.waves.kernel.line_tie import LineTiePiece, Soliton, line_tie_contraction
+from longwave.waves.kernel.periodic import Contraction, Spring
+from longwave.waves.line_ties import line_tie_certificate
+
+
+def tie(eps: str, near: str = "soliton", **values: object) -> ExactWave:
+    return waves_of_all_eps(LATTICES["fput_strain"].with_values(values), near=near, eps=eps)
+
+
+MKDV: dict[str, object] = {"K2": 1, "K3": 0, "K4": 1}
+KDV: dict[str, object] = {"K2": 1, "K3": 1, "K4": 0}
+
+
+def ends(certificate: Any) -> tuple[mpmath.mpf, mpmath.mpf]:
+    (claim,) = certificate["claims"].values()
+    low, high = map(mpmath.mpf, claim)
+    return low, high
+
+
+def soliton(p: int, x: Any) -> Any:
+    omega = mpmath.sqrt(12)
+    if p == 3:
+        return mpmath.sqrt(2) * mpmath.sech(omega * x)
+    return 1.5 * mpmath.sech(omega * x / 2) ** 2
+
+
+def first_correction(p: int, b: Any) -> Any:
+    """Return sup |psi|, psi the limit of (phi - Y)/eps^2 as eps -> 0.
+
+    (1 - D^2/12 - p Y^(p-1)) psi = Y''''/360 + (Y^p)''/12 + b Y^(2 p - 1) has the even solution
+    alpha Y + beta Y^p - x Y'/5.
+    """
+    beta = 3 * (b - 2) / mpmath.mpf(4) if p == 2 else (b - 3.6) / mpmath.mpf(3)
+    alpha = -3 * beta - 2.4 if p == 2 else (-8 * beta - 5.4) / 2
+
+    def psi(x: Any) -> Any:
+        y = soliton(p, x)
+        return alpha * y + beta * y**p - x * mpmath.diff(lambda t: soliton(p, t), x) / 5
+
+    values = [abs(psi(mpmath.mpf(i) / 100)) for i in range(150)]
+    place = max(range(150), key=values.__getitem__)
+    if not place:
+        return values[0]
+    return abs(psi(mpmath.findroot(lambda x: mpmath.diff(psi, x), mpmath.mpf(place) / 100)))
+
+
+FORCES = [
+    ("r + r**3", 3, 0, 1.0),
+    ("r + r**2", 2, 0, 1.0),
+    ("2*r - r**2 + r**3/2", 2, 1, 2.0),
+    ("r + 4*r**3 + 16*r**5", 3, 1, 0.5),
+]
+
+
+@pytest.mark.parametrize(("force", "p", "b", "scale"), FORCES)
+def test_the_limit_is_that_of_the_closed_form(force: str, p: int, b: int, scale: float) -> None:
+    """Catches any error of the equation's first correction: it is known in closed form."""
+    certificate = line_tie_certificate(Spring(1, read_force(force)), fmpq(1, 100))
+    assert f"V'(r) = {force} has" in check_certificate(certificate)
+    low, high = ends(certificate)
+    limit = scale * first_correction(p, b)
+    assert low < limit < high
+    assert high - low < 0.05 * limit
+
+
+def distance_by_iteration(p: int, eps: float) -> float:
+    """Return sup |phi - Y|/eps^2 of a wave by Petviashvili's iteration in double precision."""
+    count, half = 1024, 8.0
+    x = (np.arange(count) - count // 2) * 2 * half / count
+    xi = 2 * np.pi * np.fft.fftfreq(count, 2 * half / count)
+    mu = np.sinc(eps * xi / (2 * np.pi)) ** 2
+    multiplier = mu / (1 + (1 - mu) / eps**2)
+    y = np.array([float(soliton(p, float(at))) for at in x])
+    phi = y.copy()
+    for _ in range(200):
+        image = np.fft.ifft(multiplier * np.fft.fft(phi**p)).real
+        # <phi, phi>/<phi, image> is 1 at the wave; the power is that of the fastest convergence
+        phi = image * (np.sum(phi * phi) / np.sum(phi * image)) ** (p / (p - 1))
+    assert np.abs(phi - np.fft.ifft(multiplier * np.fft.fft(phi**p)).real).max() < 1e-13
+    return float(np.abs(phi - y).max()) / eps**2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("values", "p", "expected"), [(MKDV, 3, (0.93, 1.50)), (KDV, 2, (0.91, 0.94))]
+)
+def test_single_waves_are_within_the_bounds_of_all(
+    values: dict[str, object], p: int, expected: tuple[float, float]
+) -> None:
+    wave = tie("7/100", **values)
+    assert wave.verdict is Existence.EXISTS
+    assert "For every 0 < eps <= 7/100" in wave.statement
+    low, high = map(float, ends(wave.certificate))
+    assert expected[0] < low < high < expected[1]
+    for eps in (0.02, 0.05, 0.07):
+        assert low < distance_by_iteration(p, eps) < high
+
+
+@pytest.mark.slow
+def test_a_solitary_wave_proved_by_itself_is_within_the_bounds() -> None:
+    """v = 545/544 is that of eps = 33/544."""
+    eps = 33 / 544
+    lattice = LATTICES["fput_strain"].with_values(MKDV)
+    wave = exact_wave(lattice, speed="545/544")
+    x = np.linspace(-20, 20, 801)
+    y = np.sqrt(2) / np.cosh(np.sqrt(12) * eps * x)
+    distance = np.abs(wave.at(x) - eps * y).max() / eps**3
+    low, high = map(float, ends(tie("7/100", **MKDV).certificate))
+    assert low < distance < high
+
+
+@pytest.mark.slow
+def test_a_wide_range_is_proved_too() -> None:
+    """Catches pieces that are not divided where the proof needs it."""
+    low, high = ends(tie("1/5", **KDV).certificate)
+    assert low < distance_by_iteration(2, 0.2) < high < 1.1
+
+
+@pytest.mark.parametrize("p", [2, 3])
+def test_the_soliton_has_the_stated_transform_and_bounds(p: int) -> None:
+    wave = Soliton.of(read_force("r + r**2" if p == 2 else "r + r**3"))
+    for xi in (0, 1, 5):
+        value = 2 * mpmath.quad(lambda x, k=xi: soliton(p, x) * mpmath.cos(k * x), [0, 1, 4, 12])
+        assert abs(value - mpmath.mpf(float(wave.transform(arb(xi))))) < 1e-12
+    second, fourth = 3 * p * (p * p - 1), {2: 144, 3: 720}[p]
+    assert abs(float(wave.source_bound) - second / 12 - fourth / 360) < 1e-12
+    for i in range(30):
+        x = mpmath.mpf(i) / 20
+        y = soliton(p, x)
+        force = mpmath.diff(lambda t: soliton(p, t) ** p, x, 2)
+        assert abs(force) <= second * y * (1 + 1e-8)
+        assert abs(mpmath.diff(lambda t: soliton(p, t), x, 4)) <= fourth * y * (1 + 1e-8)
+        assert y <= float(wave.front) * mpmath.exp(-mpmath.sqrt(12) * x)
+
+
+def piece_of(**changes: Any) -> LineTiePiece:
+    data = {
+        "soliton": Soliton.of(read_force("r + r**3")), "square": arb("0.01"),
+        "half_length": arb(7), "kappa": arb("2.9"), "correction": [arb(0)], "top": 40,
+        "bound": arb("0.5"),
+    }  # fmt: skip
+    return LineTiePiece(**{**data, **changes})
+
+
+@pytest.mark.parametrize("square", ["1e-4", "0.01", "0.1"])
+def test_the_kernel_decays_as_stated(square: str) -> None:
+    """Catches a constant C that is too small: K is computed by a sum of cosines."""
+    piece = piece_of(square=arb(square))
+    s, step = float(square), 0.02
+    xi = step * (np.arange(200_000) + 0.5)
+    mu = np.sinc(np.sqrt(s) * xi / (2 * np.pi)) ** 2
+    multiplier = mu / (1 + (1 - mu) / s)
+    for x in (0.0, 0.3, 1.0, 1.6):
+        kernel = step / np.pi * np.sum(multiplier * np.cos(xi * x))
+        assert -1e-3 < kernel < float(piece.decay_constant) * np.exp(-2.9 * x)
+    assert np.all(multiplier <= 1 / (1 + xi * xi / 12) + 1e-15)
+
+
+CONSTANTS = [
+    ({"kappa": "3.47"}, "0 < kappa < sqrt"),
+    ({"kappa": "-1"}, "0 < kappa < sqrt"),
+    ({"square": "0.2"}, "eps kappa <= 1"),
+    ({"kappa": "3.46", "square": "0.08"}, "take a smaller kappa"),
+    ({"half_length": "0"}, "half_length > 0"),
+    ({"half_length": "5000"}, "too large for the modes"),
+    ({"bound": "0"}, "bound > 0"),
+]
+
+
+@pytest.mark.parametrize(("changes", "message"), CONSTANTS)
+def test_constants_without_a_theorem_are_refused(changes: dict[str, str], message: str) -> None:
+    piece = piece_of(**{name: arb(value) for name, value in changes.items()})
+    with pytest.raises(CertificateError, match=message):
+        line_tie_contraction(piece)
+
+
+@pytest.fixture(scope="module")
+def certificate() -> dict[str, Any]:
+    return dict(tie("1/50", **MKDV).certificate)
+
+
+def springs(force: str, neighbour: int = 1) -> dict[str, Any]:
+    return {"lattice": {"springs": [{"neighbour": neighbour, "force": force}]}}
+
+
+def test_a_changed_certificate_is_refused(certificate: dict[str, Any]) -> None:
+    pieces = certificate["pieces"]
+    first = pieces[0]
+    half = {**first, "bound": str(float(first["bound"]) / 2)}
+    zero = {**first, "correction": ["0"] * len(first["correction"])}
+    cut = {**first, "correction": first["correction"][:60]}
+    claim = certificate["claims"]["distance_over_eps3"]
+    changes: list[dict[str, Any]] = [
+        {"eps": "1/49"},
+        {"eps": "0"},
+        {"eps": "-1/50"},
+        {"half_length": "2"},
+        {"kappa": "0.5"},
+        {"block": 8},
+        {"block": 1500},
+        {"pieces": pieces[:-1]},
+        {"pieces": pieces[1:]},
+        {"pieces": pieces[::-1]},
+        {"pieces": []},
+        {"pieces": [half, *pieces[1:]]},
+        {"pieces": [zero, *pieces[1:]]},
+        {"pieces": [cut, *pieces[1:]]},
+        {"pieces": [{**first, "weight": "1"}, *pieces[1:]]},
+        {"near": {"form": "dn", "k": "3/5"}},
+        springs("r**3 + r", 2),
+        springs("1.01*r**3 + r"),
+        springs("r**3 + r + r**5"),
+        springs("r**3 + r + r**4"),
+        springs("r - r**3"),
+        springs("r"),
+        springs("sinh(r)"),
+        springs("1 + r + r**3"),
+        {"claims": {"distance_over_eps3": ["1.23", claim[1]]}},
+        {"claims": {"distance_over_eps3": [claim[0], "1.22"]}},
+        {"claims": {"distance_over_eps4": claim}},
+    ]
+    for change in changes:
+        with pytest.raises(CertificateError):
+            check_certificate({**copy.deepcopy(certificate), **change})
+
+
+def test_the_zero_wave_is_refused(
+    certificate: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Catches phi = 0, whose distance from the soliton is Y(0)."""
+    far = {**certificate, "pieces": copy.deepcopy(certificate["pieces"])}
+    for piece in far["pieces"]:
+        piece["correction"][0] = "-5000"
+    zero = arb(0)
+    passing = Contraction(zero, zero, zero, zero)
+    monkeypatch.setattr(line_tie_claim, "line_tie_contraction", lambda _: passing)
+    with pytest.raises(CertificateError, match="differ from 0"):
+        check_certificate(far)
+
+
+def test_the_names_of_the_catalogue_state_the_equation() -> None:
+    with pytest.raises(ValueError, match="near must be kdv_soliton"):
+        tie("1/50", "soliton_sech", **KDV)
+    with pytest.raises(ValueError, match="near must be soliton_sech"):
+        tie("1/50", "kdv_soliton", **MKDV)
+
+
+def test_what_states_no_soliton_is_refused() -> None:
+    lattice = LATTICES["fput_strain"].with_values(MKDV)
+    with pytest.raises(ValueError, match="k must not be given"):
+        waves_of_all_eps(lattice, near="soliton", k="1/2", eps="1/50")
+    with pytest.raises(ValueError, match="eps must be > 0"):
+        waves_of_all_eps(lattice, near="soliton", eps=0)
+    with pytest.raises(ValueError, match="all eps at once"):
+        exact_wave(lattice, near="soliton", eps="1/50")
+    defocusing = tie("1/50", **{**MKDV, "K4": -1})
+    assert defocusing.verdict is Existence.REFUSED
+    assert "K4 > 0" in defocusing.reason
+    second = LATTICES["next_nearest"].with_values(
+        {"K2": 1, "K3": 0, "K4": 1, "L2": "1/4", "L3": 0, "L4": 0}
+    )
+    assert waves_of_all_eps(second, near="soliton", eps="1/50").verdict is Existence.REFUSED
+
+
+def test_a_large_eps_is_not_proved() -> None:
+    wave = tie("2/5", **MKDV)
+    assert wave.verdict is Existence.NOT_PROVED
+    assert "eps kappa <= 1" in wave.reason
+
+
+def test_the_constants_of_the_force_are_in_the_statement() -> None:
+    wave = tie("1/100", "kdv_soliton", K2=2, K3=-1, K4=Fraction(1, 2))
+    assert "K2 = 2, next to eps^2 Y(x) = eps^2 (-3) sech(3^(1/2) eps x)^2" in wave.statement
