@@ -1,6 +1,7 @@
 """Solitary waves of all small eps next to solitons, and certificates that must be refused."""
 
 import copy
+import dataclasses
 from fractions import Fraction
 from typing import Any
 
@@ -10,14 +11,23 @@ import pytest
 from flint import arb, fmpq
 
 from longwave.derive import LATTICES
+from longwave.waves.certificates import contracting_radius
 from longwave.waves.exact_wave import ExactWave, Existence, exact_wave, waves_of_all_eps
 from longwave.waves.kernel import line_tie_claim
 from longwave.waves.kernel.check import check_certificate
+from longwave.waves.kernel.cosine_series import norm
 from longwave.waves.kernel.force_text import read_force
 from longwave.waves.kernel.limits import CertificateError
-from longwave.waves.kernel.line_tie import LineTiePiece, Soliton, line_tie_contraction
+from longwave.waves.kernel.line_block import line_block
+from longwave.waves.kernel.line_tie import (
+    LineTiePiece,
+    Soliton,
+    defect,
+    line_tie_contraction,
+    tie_block,
+)
 from longwave.waves.kernel.periodic import Contraction, Spring
-from longwave.waves.line_ties import line_tie_certificate
+from longwave.waves.line_ties import Corrections, line_tie_certificate
 
 
 def tie(eps: str, near: str = "soliton", **values: object) -> ExactWave:
@@ -82,7 +92,7 @@ def test_the_limit_is_that_of_the_closed_form(force: str, p: int, b: int, scale:
 
 def distance_by_iteration(p: int, eps: float) -> float:
     """Return sup |phi - Y|/eps^2 of a wave by Petviashvili's iteration in double precision."""
-    count, half = 1024, 8.0
+    count, half = 4096, 8.0
     x = (np.arange(count) - count // 2) * 2 * half / count
     xi = 2 * np.pi * np.fft.fftfreq(count, 2 * half / count)
     mu = np.sinc(eps * xi / (2 * np.pi)) ** 2
@@ -95,6 +105,19 @@ def distance_by_iteration(p: int, eps: float) -> float:
         phi = image * (np.sum(phi * phi) / np.sum(phi * image)) ** (p / (p - 1))
     assert np.abs(phi - np.fft.ifft(multiplier * np.fft.fft(phi**p)).real).max() < 1e-13
     return float(np.abs(phi - y).max()) / eps**2
+
+
+@pytest.mark.parametrize(("force", "p"), [("r + r**3", 3), ("r + r**2", 2)])
+def test_one_value_of_eps_agrees_to_four_digits(force: str, p: int) -> None:
+    """Catches errors of order eps^2, which the limit does not show."""
+    corrections = Corrections(Soliton.of(read_force(force)))
+    corrections.solve(arb("0.04"))
+    piece = corrections.at(arb("0.04"))
+    bounds = line_tie_contraction(piece)
+    bound = arb(contracting_radius(bounds))
+    bounds.require(bound, piece.bound)
+    low, high = map(float, dataclasses.replace(piece, bound=bound).distance)
+    assert low - 5e-5 < distance_by_iteration(p, 0.2) < high < low + 2e-3
 
 
 @pytest.mark.slow
@@ -171,6 +194,83 @@ def test_the_kernel_decays_as_stated(square: str) -> None:
         kernel = step / np.pi * np.sum(multiplier * np.cos(xi * x))
         assert -1e-3 < kernel < float(piece.decay_constant) * np.exp(-2.9 * x)
     assert np.all(multiplier <= 1 / (1 + xi * xi / 12) + 1e-15)
+    assert piece.multiplier(41) <= piece.tail
+    # |K*h| <= ||K|| ||h||, with equality for h = K
+    assert np.sqrt(step / np.pi * np.sum(multiplier**2)) < float(piece.embedding)
+
+
+def test_the_distance_allows_for_the_remainder() -> None:
+    exact, wide = piece_of(bound=arb(0)).distance, piece_of(bound=arb("0.1")).distance
+    assert exact[0] - wide[0] >= arb("0.09306")
+    assert wide[1] - exact[1] >= arb("0.09306")
+
+
+def values(modes: Any, half_length: float, x: Any) -> Any:
+    order = np.arange(len(modes))
+    modes = np.array([float(c) for c in modes]) * np.where(order, 2, 1)
+    return np.cos(np.pi * np.outer(x, order) / half_length) @ modes
+
+
+def test_a_short_interval_shows_its_images() -> None:
+    """Catches bounds that leave out what the periodic sum adds, or what is outside (-d, d)."""
+    short, wide = piece_of(half_length=arb("2.5")), piece_of(half_length=arb(9))
+    inside, outside = np.linspace(0, 2.5, 101), np.linspace(2.5, 5, 101)
+    names = ("modes", "change")
+    for name, error, outer in zip(names, short.periodic_errors, short.outer, strict=True):
+        exact = values(getattr(wide, name), 9, inside)
+        difference = np.abs(values(getattr(short, name), 2.5, inside) - exact).max()
+        assert 1e-5 < difference < float(error)
+        assert np.abs(values(getattr(wide, name), 9, outside)).max() < float(outer)
+
+
+def test_every_bound_of_the_theorem_enters() -> None:
+    """Catches a term that is left out: on a short interval each is large."""
+    s, c, kappa, d = 0.01, 0.5, 2.9, 2.5
+    piece = piece_of(half_length=arb("2.5"))
+    bounds, (block, _) = line_tie_contraction(piece), tie_block(piece)
+    y, z = map(float, piece.periodic_errors)
+    outer_y, outer_z = map(float, piece.outer)
+    front_y, front_z = map(float, piece.fronts)
+    z_size = float(norm(piece.change, arb(1)))
+    reach = np.sqrt(2) + s * z_size
+    size = float(block.size)
+    outside = outer_z * 3 * (outer_y + s * outer_z) ** 2 / np.sqrt(2 * kappa)
+    inner = np.sqrt(2 * d) * (6 * reach * z_size * y + 3 * reach**2 * z)
+    assert float(bounds.y0) > float(block.image_size(defect(piece))) + size * inner + outside
+    slope = 3 * (front_y + s * front_z) ** 2 * np.exp(-kappa * d) * np.sqrt(2 * d / kappa)
+    edges = 3 * float(piece.decay_constant) * slope
+    least = size * (edges + 6 * reach * (y + s * z)) + 3 * (outer_y + s * outer_z) ** 2
+    assert float(bounds.z1) > 0.9999 * least
+    assert bounds.z0 == block.contraction
+    assert float(bounds.z2) > size * 6 * (reach + s * c * 0.93) * s * 0.93
+
+
+def test_the_block_bounds_the_whole_operator() -> None:
+    """Catches parts of I - A (I - W K_per) that are left out: 160 modes by quadrature."""
+    d, top, count, points = 2.0, 12, 160, 640
+    slope = [arb("0.9"), arb("-0.4"), arb("0.3"), arb("0.2"), arb("-0.1")]
+
+    def multiplier(n: int) -> arb:
+        return 1 / (1 + arb(n * n) / 30)
+
+    block = line_block(slope, multiplier, multiplier(top + 1), top, arb(d))
+    x = d * (np.arange(points) + 0.5) / points
+    basis = np.cos(np.pi * np.outer(x, np.arange(count)) / d) / np.sqrt(d)
+    basis[:, 0] /= np.sqrt(2)
+    weights = 2 * d / points * values(slope, d, x)
+    product = basis.T @ (weights[:, None] * basis) * [float(multiplier(n)) for n in range(count)]
+    inverse = np.eye(count)
+    inverse[: top + 1, : top + 1] = np.array(block.inverse.tolist(), dtype=float)
+    # the last modes couple to those beyond 160
+    whole = (np.eye(count) - inverse @ (np.eye(count) - product))[:, :-4]
+    norm_of_whole = np.linalg.norm(whole, 2)
+    assert norm_of_whole < float(block.contraction) < 4 * norm_of_whole
+    assert np.linalg.norm(inverse, 2) < float(block.size)
+    f = [arb(n) / 7 for n in (3, -2, *range(20))]
+    scaled = np.array([float(c) for c in f]) * 2 * np.sqrt(d)
+    scaled[0] /= np.sqrt(2)
+    image = inverse[: len(f), : len(f)] @ scaled
+    assert abs(float(block.image_size(f)) - np.linalg.norm(image)) < 1e-9
 
 
 CONSTANTS = [
