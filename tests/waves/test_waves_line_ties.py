@@ -230,6 +230,20 @@ def test_a_short_interval_shows_its_images() -> None:
         assert np.abs(values(getattr(wide, name), 9, outside)).max() < float(outer)
 
 
+@pytest.mark.parametrize("force", ["r + r**3", "r + r**2"])
+def test_the_modes_left_out_are_bounded(force: str) -> None:
+    """Catches powers of the wavenumber that are left out of the tail of T."""
+    piece = piece_of(soliton=Soliton.of(read_force(force)))
+    total_y = total_t = arb(0)
+    for n in range(len(piece.modes), 3 * len(piece.modes)):
+        square = piece.wavenumber(n) * piece.wavenumber(n)
+        value = piece.soliton.transform(piece.wavenumber(n)) / piece.half_length
+        total_y += value
+        total_t += value * (square / 12 + square * square * (arb(1) / 144 + arb(1) / 360))
+    assert total_y < piece.rests[0]
+    assert total_t < piece.rests[1]
+
+
 def test_every_bound_of_the_theorem_enters() -> None:
     """Catches a term that is left out: on a short interval each is large."""
     s, c, kappa, d = 0.01, 0.5, 2.9, 2.5
