@@ -72,8 +72,13 @@ class ExactWave(Proved):
 
     @property
     def energy(self) -> Interval | None:
-        """Energy of one period of the wave at zero mean momentum; None if it is not proved."""
+        """Energy of a solitary wave, or of a period at zero mean momentum; None if not proved."""
         return self.numbers.get("energy")
+
+    @property
+    def momentum(self) -> Interval | None:
+        """Total momentum, -v times the integral of the strain, of a solitary wave; else None."""
+        return self.numbers.get("momentum")
 
     @property
     def distance(self) -> Interval | None:
@@ -226,9 +231,7 @@ def _certificate(
 ) -> dict[str, Any]:
     springs = chain_springs(lattice)
     if numbers["speed"]:
-        if [spring.neighbour for spring in springs] != [1]:
-            raise Refused("a solitary wave is proved for nearest neighbours only")
-        return solitary_certificate(springs[0], numbers["speed"], error)
+        return solitary_certificate(springs, numbers["speed"], error)
     if near:
         springs = _nearest_neighbours(lattice, near)
         if numbers["period"]:

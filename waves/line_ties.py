@@ -132,7 +132,7 @@ class Corrections:
 
 def _image(block: LineBlock, f: Series) -> Series:
     """Return A f for the cosine series f."""
-    count, root = block.inverse.nrows(), arb(2).sqrt()
+    count, root = block.count, arb(2).sqrt()
     scaled = [f[0] / root, *f[1:count]]
     inside = (block.inverse * arb_mat(count, 1, scaled)).entries()
     return [inside[0] * root, *inside[1:], *f[count:]]

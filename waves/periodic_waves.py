@@ -195,8 +195,13 @@ def _sound(problem: PeriodicProblem) -> arb:
     return total
 
 
-def strips(springs: Iterable[Spring], modes: Vector) -> Iterator[Mapping[str, Any] | None]:
-    """Yield strips to try for analytic forces, wide ones first; None for polynomials."""
+def strips(
+    springs: Iterable[Spring], modes: Vector, powers: Iterable[float] = (0.6, 0.4, 0.25)
+) -> Iterator[Mapping[str, Any] | None]:
+    """Yield strips to try for analytic forces; None for polynomials.
+
+    Their widths are the ``powers`` of the ratio of one mode to the next.
+    """
     if all(spring.force.polynomial is not None for spring in springs):
         yield None
         return
@@ -204,7 +209,7 @@ def strips(springs: Iterable[Spring], modes: Vector) -> Iterator[Mapping[str, An
     visible = np.nonzero(sizes > 1e-13 * sizes[1])[0]
     last = int(visible[-1])
     decay = (sizes[last] / sizes[1]) ** (1 / max(last - 1, 1)) if last > 1 else 0.1
-    for power in (0.6, 0.4, 0.25):
+    for power in powers:
         rho = min(max(decay**-power, 1.02), 8.0)
         count = 2 ** math.ceil(math.log2(max(8 * len(modes) / 2, 100 / math.log(rho))))
         size = max(np.abs(modes[0]) + 2 * sizes[1:].sum(), 1e-3)

@@ -3,240 +3,373 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-from flint import acb, arb, arb_mat, ctx, fmpq
+from flint import acb, arb, ctx, fmpq
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from longwave.waves.certificates import contracting_radius, decimal_text, interval
-from longwave.waves.kernel.cosine_series import polynomial_of
-from longwave.waves.kernel.limits import CertificateError
+from longwave.waves.kernel.cosine_series import Series, entry, product
+from longwave.waves.kernel.force_text import Force
+from longwave.waves.kernel.limits import CertificateError, decimal
 from longwave.waves.kernel.periodic import Spring
 from longwave.waves.kernel.reading import Record
-from longwave.waves.kernel.solitary import SolitaryCentre, solitary_contraction
+from longwave.waves.kernel.solitary import SolitaryCentre, nonlinear_springs
 from longwave.waves.kernel.solitary_claim import SolitaryClaim
+from longwave.waves.periodic_waves import strips
+from longwave.waves.springs import Refused
 
 BITS = 160
 HALF_LENGTH = 34.0
 """Half-length of the computed interval, in decay lengths of the wave's tail."""
 
-KERNEL_DECAY = 0.85
-"""Ratio of the decay rate kappa in the kernel's bound to the decay rate of the wave."""
+LEAST_MODES, MOST_MODES, GROWTH = 64, 800, 1.4
+SIZES = ((0.85, 0.4), (0.85, 0.8), (0.6, 1.0))
+"""Sizes to try: the kernel's decay kappa over the wave's, the share of the modes in the block."""
 
-LEAST_MODES, MOST_MODES, GROWTH = 48, 700, 1.4
-TAYLOR_DEGREES = (12, 20, 32)
+STRIPS = (0.4, 0.2, 0.1)
+"""Widths to try of the strip of an analytic force, as powers of the ratio of successive modes."""
+
+MARGIN = "0.01"
+"""Distance from the values on the strip within which an analytic force is bounded."""
+
+CHORD_STEPS = 2
+PADDING = 1.15
+"""Ratio of the modes in the certificate to those found in floating point."""
+
+SMALL_EXCESS = 0.02
+"""Excess of the speed over sound at which the continuation in the speed begins."""
 
 Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class _Approximation:
-    """Approximate cosine modes of g = N(f) on (-d, d) for a wave of this speed."""
+class _Chain:
+    """Springs of a chain, in floating point."""
 
-    spring: Spring
+    springs: tuple[Spring, ...]
+
+    def jets(self, terms: int) -> list[tuple[int, Vector]]:
+        """Return each neighbour m with the first Taylor coefficients of its force at rest."""
+        return [(s.neighbour, _jets(s.force, np.zeros(1), terms)[:, 0]) for s in self.springs]
+
+    @property
+    def sound_squared(self) -> float:
+        """Squared speed of sound."""
+        return sum(float(jet[1]) * m * m for m, jet in self.jets(2))
+
+    def symbol(self, speed: float, k: Any) -> Any:
+        """Return v^2 - sum K_m T_m^2 at wavenumbers, real or complex."""
+        return speed**2 - sum(jet[1] * _box(m, k) ** 2 for m, jet in self.jets(2))
+
+    def decay(self, speed: float) -> float:
+        """Return the largest kappa such that Re Delta > 0 at Im k = kappa, the tail's decay rate.
+
+        It is where the symbol has its first zero if no spring pushes.
+        """
+        line = np.linspace(0, 8, 200)
+
+        def least(kappa: float) -> float:
+            return float(self.symbol(speed, line + 1j * kappa).real.min())
+
+        rates = np.geomspace(1e-3, 8, 100)
+        last = next((i for i, rate in enumerate(rates) if least(rate) <= 0), 0)
+        if not last:
+            raise CertificateError("no decay rate of the tail between 0.001 and 8 was found")
+        return float(brentq(least, rates[last - 1], rates[last], xtol=1e-14))
+
+    def require_no_resonance(self, speed: float) -> None:
+        """Raise Refused if waves of some wavenumber move with this speed."""
+        most = 2 * math.sqrt(sum(abs(float(jet[1])) for _, jet in self.jets(2))) / speed
+        k = np.linspace(0, most, 4000)
+        values = self.symbol(speed, k)
+        if values.min() <= 0:
+            resonant = k[np.argmax(values <= 0)]
+            raise Refused(
+                f"speed {speed:g} is resonant with wavenumber {resonant:.4f}; "
+                "no solitary wave is proved"
+            )
+
+
+@dataclass(frozen=True)
+class _Approximation:
+    """Approximate modes of phi = sum T_m N_m(T_m phi)/Delta on (-d, d); T_1 phi is the strain."""
+
+    chain: _Chain
     speed: float
     half_length: float
     modes: Vector
 
+    def stretch(self, m: int) -> Vector:
+        """Return the modes of the stretch between m-th neighbours."""
+        stretch: Vector = self.modes * _box(m, self._wavenumbers)
+        return stretch
+
     @property
-    def strain(self) -> Vector:
-        """Cosine modes of the strain f."""
-        return self.modes * _multiplier(self.spring, self.speed, self.half_length, len(self.modes))
+    def _wavenumbers(self) -> Vector:
+        count = len(self.modes)
+        return np.asarray(np.pi * np.arange(count) / self.half_length, dtype=np.float64)
 
+    def step(self) -> Vector:
+        """Return the change of the modes in a step of Newton's method."""
+        count = len(self.modes)
+        points, order = 2 * count, np.arange(count)
+        cosines = np.cos(np.pi * np.outer(np.arange(points) + 0.5, order) / points)
+        pull = self.chain.symbol(self.speed, self._wavenumbers)
+        residual, jacobian = self.modes.copy(), np.eye(count)
+        for spring in nonlinear_springs(self.chain.springs):
+            box = _box(spring.neighbour, self._wavenumbers)
+            synthesis = cosines * np.where(order, 2, 1) * box
+            analysis = cosines.T * (box / pull / points)[:, None]
+            strain = synthesis @ self.modes
+            values, slopes = _jets(spring.force, strain, 2)
+            rest = _jets(spring.force, np.zeros(1), 2)[:, 0]
+            residual -= analysis @ (values - rest[0] - rest[1] * strain)
+            jacobian -= analysis @ ((slopes - rest[1])[:, None] * synthesis)
+        try:
+            return np.asarray(np.linalg.solve(jacobian, -residual), dtype=np.float64)
+        except np.linalg.LinAlgError:
+            raise CertificateError("Newton's method met a singular problem") from None
 
-def _jet(spring: Spring, r: float, terms: int) -> list[float]:
-    return [float(c.real) for c in spring.force.taylor(acb(r), terms)]
-
-
-def _multiplier(spring: Spring, speed: float, half_length: float, count: int) -> Vector:
-    sound = _jet(spring, 0.0, 2)[1]
-    square = np.sinc(np.arange(count) / (2 * half_length)) ** 2
-    return square / (speed**2 - sound * square)
-
-
-def decay(speed: float, sound_squared: float) -> float:
-    """Return the decay rate k of a solitary wave's tail: c^2 (sinh(k/2)/(k/2))^2 = v^2."""
-    ratio = speed / math.sqrt(sound_squared)
-    return float(brentq(lambda k: math.sinh(k / 2) / (k / 2) - ratio, 1e-9, 60.0, xtol=1e-14))
-
-
-def _newton(start: _Approximation) -> _Approximation:
-    """Return the approximation after Newton's method. Raises CertificateError."""
-    count, spring = len(start.modes), start.spring
-    points = 2 * count
-    order = np.arange(count)
-    angle = np.pi * np.outer(np.arange(points) + 0.5, order) / points
-    synthesis = np.cos(angle) * np.where(order, 2, 1)
-    analysis = np.cos(angle).T / points
-    multiplier = _multiplier(spring, start.speed, start.half_length, count)
-    sound = _jet(spring, 0.0, 2)[1]
-    modes, last = start.modes.copy(), math.inf
-    for _ in range(40):
-        strain = synthesis @ (multiplier * modes)
-        jets = np.array([_jet(spring, r, 2) for r in strain])
-        rest = _jet(spring, 0.0, 1)[0]
-        values, slopes = jets[:, 0] - rest - sound * strain, jets[:, 1] - sound
-        residual = modes - analysis @ values
-        jacobian = np.eye(count) - analysis @ (slopes[:, None] * synthesis) * multiplier
-        change = np.linalg.solve(jacobian, -residual)
-        modes = modes + change
-        step = float(np.abs(change).max())
-        if not math.isfinite(step) or step > 100:
-            break
-        if step < 1e-15 or (step < 1e-11 and step >= last):
-            if np.abs(modes).max() < 1e-8:
+    def solved(self) -> _Approximation:
+        """Return the approximation after Newton's method. Raises CertificateError."""
+        wave, last = self, math.inf
+        for _ in range(40):
+            change = wave.step()
+            wave = replace(wave, modes=wave.modes + change)
+            size, step = float(np.abs(wave.modes).max()), float(np.abs(change).max())
+            if not math.isfinite(step) or step > 100:
                 break
-            return _Approximation(spring, start.speed, start.half_length, modes)
-        last = step
-    raise CertificateError("Newton's method did not converge")
+            if step < 1e-15 * size or (step < 1e-10 * size and step >= last):
+                if size * self.half_length < 1e-5 * float(np.abs(self.modes).max()):
+                    break
+                return wave
+            last = step
+        raise CertificateError("Newton's method did not converge")
+
+    def at_speed(self, speed: float) -> _Approximation:
+        """Return the wave rescaled to another ``speed``, as an initial guess at that speed."""
+        half_length = HALF_LENGTH / self.chain.decay(speed)
+        gaps = [s**2 - self.chain.sound_squared for s in (self.speed, speed)]
+        return _Approximation(self.chain, speed, half_length, self.modes * gaps[1] / gaps[0])
 
 
-def _small_wave(spring: Spring, speed: float, count: int) -> _Approximation:
-    """Return the reduced equation's soliton as approximation, at a speed just above sound."""
-    _, sound, quadratic, cubic = _jet(spring, 0.0, 4)
-    gap, kappa = speed**2 - sound, decay(speed, sound)
-    half_length = HALF_LENGTH / kappa
-    points = 2 * count
-    x = half_length * (np.arange(points) + 0.5) / points
-    if abs(quadratic) > 1e-12:
-        strain = 1.5 * gap / quadratic / np.cosh(kappa * x / 2) ** 2
-    elif cubic > 0:
-        strain = math.sqrt(2 * gap / cubic) / np.cosh(kappa * x)
-    else:
+def _box(m: int, k: Any) -> Any:
+    return m * np.sinc(m * k / (2 * np.pi))
+
+
+def _jets(force: Force, r: Vector, terms: int) -> Vector:
+    """Return Taylor coefficients of a force at the strains ``r``; shape (terms, len(r))."""
+    if force.polynomial is not None:
+        law = np.polynomial.Polynomial([float(arb(c)) for c in force.polynomial] or [0.0])
+        return np.array([law.deriv(i)(r) / math.factorial(i) for i in range(terms)])
+    jets = [force.taylor(acb(float(x)), terms) for x in r]
+    return np.array([[float(c.real) for c in jet] for jet in jets]).T
+
+
+def _small_wave(chain: _Chain, speed: float, count: int) -> _Approximation:
+    """Return the soliton of the Gardner equation as approximation, at a speed just above sound.
+
+    It is phi = 1/(q/(3 D) + E cosh(kappa x)), D phi - a phi'' = q phi^2 + p phi^3.
+    """
+    gap, kappa = speed**2 - chain.sound_squared, chain.decay(speed)
+    jets = chain.jets(4)
+    quadratic = sum(float(jet[2]) * m**3 for m, jet in jets)
+    cubic = sum(float(jet[3]) * m**4 for m, jet in jets)
+    square = (quadratic / (3 * gap)) ** 2 + cubic / (2 * gap)
+    if not square > 0:
         raise CertificateError(
             "the force needs r^2, or r^3 with a positive factor, to focus a wave"
         )
-    jets = np.array([_jet(spring, r, 1)[0] for r in strain])
-    values = jets - _jet(spring, 0.0, 1)[0] - sound * strain
-    modes = np.cos(np.pi * np.outer(np.arange(count), np.arange(points) + 0.5) / points) @ values
-    return _Approximation(spring, speed, half_length, modes / points)
+    half_length, points = HALF_LENGTH / kappa, 2 * count
+    x = half_length * (np.arange(points) + 0.5) / points
+    shape = math.copysign(math.sqrt(square), quadratic) * np.cosh(kappa * x)
+    phi = 1 / (quadratic / (3 * gap) + shape)
+    modes = np.cos(np.pi * np.outer(np.arange(count), np.arange(points) + 0.5) / points) @ phi
+    return _Approximation(chain, speed, half_length, modes / points)
 
 
-def _approximate(spring: Spring, speed: float, count: int) -> _Approximation:
+def _approximate(chain: _Chain, speed: float, count: int) -> _Approximation:
     """Return an approximation at ``speed``, continued from slower waves."""
-    sound = math.sqrt(_jet(spring, 0.0, 2)[1])
+    sound = math.sqrt(chain.sound_squared)
     excess = speed / sound - 1
-    trial = min(excess, 0.03)
-    wave = _newton(_small_wave(spring, sound * (1 + trial), count))
+    trial = min(excess, SMALL_EXCESS)
+    wave = _small_wave(chain, sound * (1 + trial), count).solved()
     step = trial
     while trial < excess:
         forward = min(trial + step, excess)
-        guess = _moved(wave, sound * (1 + forward), sound)
         try:
-            wave = _newton(guess)
+            wave = wave.at_speed(sound * (1 + forward)).solved()
         except CertificateError:
             step /= 2
             if step < excess / 500:
                 raise
         else:
             trial, step = forward, 1.5 * step
-    return wave
+    return replace(wave, speed=speed)
 
 
-def _moved(wave: _Approximation, speed: float, sound: float) -> _Approximation:
-    """Return the wave rescaled to another ``speed``, as an initial guess at that speed."""
-    half_length = HALF_LENGTH / decay(speed, sound**2)
-    gaps = [s**2 - sound**2 for s in (wave.speed, speed)]
-    factor = gaps[1] / gaps[0] * (half_length / wave.half_length) ** 0
-    return _Approximation(wave.spring, speed, half_length, wave.modes * factor)
+def solitary_certificate(springs: Sequence[Spring], speed: fmpq, error: float) -> dict[str, Any]:
+    """Return the certificate of a solitary wave whose crest has an error of at most ``error``.
 
-
-def solitary_certificate(spring: Spring, speed: fmpq, error: float) -> dict[str, Any]:
-    """Return the certificate of a solitary wave whose strain has an error of at most ``error``.
-
-    Raises CertificateError with the inequality that failed, and ValueError if no approximation
-    was found.
+    Raises CertificateError with the inequality that failed, and Refused for a resonant speed.
     """
     before, ctx.prec = ctx.prec, BITS
     try:
-        return _certificate(spring, speed, error)
+        return _certificate(_Chain(tuple(springs)), speed, error)
     finally:
         ctx.prec = before
 
 
-def _certificate(spring: Spring, speed: fmpq, error: float) -> dict[str, Any]:
-    if not float(speed) ** 2 > _jet(spring, 0.0, 2)[1] > 0:
+def _certificate(chain: _Chain, speed: fmpq, error: float) -> dict[str, Any]:
+    if not nonlinear_springs(chain.springs):
+        raise Refused("the force must be nonlinear: a linear chain has no solitary wave")
+    if not float(speed) ** 2 > chain.sound_squared > 0:
         raise CertificateError("speed must be above the speed of sound")
-    count = LEAST_MODES
+    chain.require_no_resonance(float(speed))
     failure = CertificateError("the error is not reached")
-    wave = _approximate(spring, float(speed), count)
-    while count <= MOST_MODES:
+    wave = _approximate(chain, float(speed), LEAST_MODES)
+    while len(wave.modes) <= MOST_MODES:
         size = np.abs(wave.modes)
         if size[-8:].max() < 1e-14 * size.max():
-            for degree in TAYLOR_DEGREES:
+            for sizes in _sizes(wave):
                 try:
-                    data = _prove(wave, speed, degree)
+                    data = _prove(_padded(wave, PADDING), speed, sizes)
                 except CertificateError as reason:
                     failure = reason
-                else:
-                    low, high = map(arb, data["claims"]["crest"])
-                    if float(high - low) <= 2 * error:
-                        return data
-                    failure = CertificateError(f"the radius {data['radius']} is too large")
-                if spring.force.polynomial is not None:
-                    break
-        count = math.ceil(GROWTH * count)
-        padded = np.pad(wave.modes, (0, count - len(wave.modes)))
-        wave = _newton(_Approximation(spring, wave.speed, wave.half_length, padded))
+                    continue
+                low, high = map(arb, data["claims"]["crest"])
+                if float(high - low) <= 2 * error:
+                    return data
+                failure = CertificateError(f"the radius {data['radius']} is too large")
+                break
+        wave = _padded(wave, GROWTH).solved()
     raise failure
 
 
-def _prove(wave: _Approximation, speed: fmpq, degree: int) -> dict[str, Any]:
-    kappa_wave = HALF_LENGTH / wave.half_length
-    strain_size = np.abs(wave.strain[0]) + 2 * np.abs(wave.strain[1:]).sum()
+def _padded(wave: _Approximation, factor: float) -> _Approximation:
+    """Return the approximation with more modes, the new ones 0."""
+    more = math.ceil((factor - 1) * len(wave.modes))
+    return replace(wave, modes=np.pad(wave.modes, (0, more)))
+
+
+def _sizes(wave: _Approximation) -> Iterator[dict[str, Any]]:
+    """Yield kernel decays, blocks and strips to try."""
+    rate = HALF_LENGTH / wave.half_length
+    for strip in strips(wave.chain.springs, wave.stretch(1), STRIPS):
+        for decay, share in SIZES:
+            yield {
+                "kappa": f"{decay * rate:.6f}",
+                "block": math.ceil(share * len(wave.modes)),
+                **({"strip": {**strip, "margin": MARGIN}} if strip else {}),
+            }
+
+
+def _prove(wave: _Approximation, speed: fmpq, sizes: Mapping[str, Any]) -> dict[str, Any]:
+    """Refine an approximation, find a radius that contracts, and return the certificate."""
+    springs = wave.chain.springs
     data: dict[str, Any] = {
         "kind": "solitary",
         "version": 1,
-        "lattice": {"springs": [{"neighbour": 1, "force": wave.spring.force.text}]},
+        "lattice": {
+            "springs": [{"neighbour": s.neighbour, "force": s.force.text} for s in springs]
+        },
         "speed": str(speed),
         "bits": BITS,
         "half_length": f"{wave.half_length:.6f}",
-        "kappa": f"{KERNEL_DECAY * kappa_wave:.6f}",
-        "degree": degree,
-        "range_bound": f"{1.02 * strain_size + 1e-3:.6g}",
+        **sizes,
         "radius_bound": "1e-5",
         "radius": "1e-5",
-        "modes": [repr(float(c)) for c in wave.modes],
+        "modes": ["0"] * len(wave.modes) * len(nonlinear_springs(springs)),
     }
-    data["modes"] = _refined(data)
+    modes, slope_modes = _refined(_start(wave, SolitaryClaim(Record(data, "certificate")).centre))
+    data["modes"] = [decimal_text(c) for c in modes]
+    data["slope_modes"] = [decimal_text(c) for c in slope_modes]
     claim = SolitaryClaim(Record(data, "certificate"))
-    bounds = solitary_contraction(claim.centre)
-    data["radius"] = contracting_radius(bounds)
-    claim = SolitaryClaim(Record(data, "certificate"))
+    data["radius"] = contracting_radius(claim.bounds)
+    claim.radius = arb(decimal(data["radius"]))
     data["claims"] = {name: interval(value) for name, value in claim.prove().items()}
     return data
 
 
-def _refined(data: dict[str, Any]) -> list[str]:
-    """Return the modes after chord iterations in ball arithmetic."""
-    centre = SolitaryClaim(Record(data, "certificate")).centre
-    inverse = arb_mat(_float_inverse(centre))
-    modes = centre.modes
-    for _ in range(4):
-        moved = SolitaryCentre(**{**_fields(centre), "modes": modes})
-        values = polynomial_of(moved.nonlinear, moved.strain)
-        count = len(modes)
-        residual = arb_mat(count, 1, [(modes[n] - values[n]).mid() for n in range(count)])
-        step = inverse * residual
-        modes = [(modes[n] - step[n, 0]).mid() for n in range(count)]
-        if max(abs(float(step[n, 0])) for n in range(count)) < 1e-30:
-            break
-    return [decimal_text(c) for c in modes]
+def _start(wave: _Approximation, centre: SolitaryCentre) -> SolitaryCentre:
+    """Return the centre with the forces of an approximation as modes."""
+    modes = []
+    for spring in centre.nonlinear:
+        stretch = [arb(float(c)) for c in wave.stretch(spring.neighbour)]
+        values = centre.law(spring, stretch).values
+        modes.append([value.mid() for value in values[: len(stretch)]])
+    return replace(centre, modes=tuple(modes))
 
 
-def _fields(centre: SolitaryCentre) -> dict[str, Any]:
-    return {name: getattr(centre, name) for name in centre.__dataclass_fields__}
+@dataclass(frozen=True)
+class _Linear:
+    """Problem (1 - P N' T) phi = P r in floating point, P r = sum T_m r_m/Delta."""
+
+    boxes: Sequence[Vector]
+    slopes: Sequence[Vector]
+    pull: Vector
+
+    @classmethod
+    def of(cls, centre: SolitaryCentre) -> _Linear:
+        """Return the problem at a centre."""
+        order = np.arange(len(centre.modes[0]))
+        boxes = np.array([[float(t) for t in centre.boxes(int(n))] for n in order]).T
+        slopes = []
+        for law in centre.laws:
+            w = np.array([float(entry(law.slope, int(n))) for n in range(2 * len(order))])
+            added = np.where(order, w[order[:, None] + order], 0)
+            slopes.append(w[np.abs(order[:, None] - order)] + added)
+        pull = [float(centre.line.symbol(centre.wavenumber(int(n)))) for n in order]
+        return cls(list(boxes), slopes, np.array(pull))
+
+    @cached_property
+    def inverse(self) -> Vector:
+        """Inverse of 1 - P N' T."""
+        total = np.eye(len(self.pull))
+        for box, slope in zip(self.boxes, self.slopes, strict=True):
+            total -= (box / self.pull)[:, None] * slope * box
+        return np.asarray(np.linalg.inv(total), dtype=np.float64)
+
+    def corrected(
+        self, functions: Sequence[Series], images: Sequence[Series]
+    ) -> tuple[Series, ...]:
+        """Return functions f_m closer to their ``images``, by f - (1 - N' K)^-1 (f - image)."""
+        defects = [
+            np.array([float(a - entry(image, n)) for n, a in enumerate(f)])
+            for f, image in zip(functions, images, strict=True)
+        ]
+        parts = [box * defect for box, defect in zip(self.boxes, defects, strict=True)]
+        phi = self.inverse @ (np.sum(parts, axis=0) / self.pull)
+        result = []
+        for f, defect, box, slope in zip(functions, defects, self.boxes, self.slopes, strict=True):
+            steps = defect + slope @ (box * phi)
+            result.append([(a - arb(float(s))).mid() for a, s in zip(f, steps, strict=True)])
+        return tuple(result)
 
 
-def _float_inverse(centre: SolitaryCentre) -> list[list[float]]:
-    slope = polynomial_of([i * c for i, c in enumerate(centre.nonlinear)][1:], centre.strain)
-    w = np.array([float(c) for c in slope])
-    w = np.pad(w, (0, max(0, 2 * centre.top + 1 - len(w))))
-    order = np.arange(centre.top + 1)
-    multiplier = np.array([float(centre.multiplier(int(n))) for n in order])
-    product = w[np.abs(order[:, None] - order)] + np.where(order, 1, 0) * w[order[:, None] + order]
-    inverse: list[list[float]] = np.linalg.inv(np.eye(len(order)) - product * multiplier).tolist()
-    return inverse
+def _refined(centre: SolitaryCentre) -> tuple[list[arb], list[arb]]:
+    """Return the modes of g after chord iterations in balls, and those of -dg/dv/(2 v)."""
+    linear = _Linear.of(centre)
+    for _ in range(CHORD_STEPS):
+        potential = centre.potential(centre.modes, 1)
+        forces = [
+            centre.law(spring, centre.boxed(potential, spring.neighbour)).values
+            for spring in centre.nonlinear
+        ]
+        centre = replace(centre, modes=linear.corrected(centre.modes, forces))
+    second = centre.potential(centre.modes, 2)
+    change: tuple[Series, ...] = tuple([arb(0)] * len(second) for _ in centre.modes)
+    for _ in range(CHORD_STEPS + 1):
+        potential = [a + b for a, b in zip(centre.potential(change, 1), second, strict=True)]
+        forces = [
+            product(law.slope, centre.boxed(potential, spring.neighbour))
+            for spring, law in zip(centre.nonlinear, centre.laws, strict=True)
+        ]
+        change = linear.corrected(change, forces)
+    return [c for f in centre.modes for c in f], [c for f in change for c in f]

@@ -258,7 +258,7 @@ def test_every_bound_of_the_theorem_enters() -> None:
     outside = outer_z * 3 * (outer_y + s * outer_z) ** 2 / np.sqrt(2 * kappa)
     inner = np.sqrt(2 * d) * (6 * reach * (z_size + z) * y + 3 * reach**2 * z)
     assert float(bounds.y0) > (1 - 1e-9) * (
-        float(block.image_size(defect(piece))) + size * inner + outside
+        float(block.image_size([defect(piece)])) + size * inner + outside
     )
     slope = 3 * (front_y + s * front_z) ** 2 * np.exp(-kappa * d) * np.sqrt(2 * d / kappa)
     edges = 3 * float(piece.decay_constant) * slope
@@ -277,7 +277,7 @@ def test_the_block_bounds_the_whole_operator(beyond: float) -> None:
     def multiplier(n: int) -> arb:
         return (arb(beyond) if n > top else 1) / (1 + arb(n * n) / 30)
 
-    block = line_block(slope, multiplier, multiplier(top + 1), top, arb(d))
+    block = line_block([slope], lambda n: [[multiplier(n)]], multiplier(top + 1), top + 1, arb(d))
     x = d * (np.arange(points) + 0.5) / points
     basis = np.cos(np.pi * np.outer(x, np.arange(count)) / d) / np.sqrt(d)
     basis[:, 0] /= np.sqrt(2)
@@ -294,7 +294,7 @@ def test_the_block_bounds_the_whole_operator(beyond: float) -> None:
     scaled = np.array([float(c) for c in f]) * 2 * np.sqrt(d)
     scaled[0] /= np.sqrt(2)
     image = inverse[: len(f), : len(f)] @ scaled
-    assert abs(float(block.image_size(f)) - np.linalg.norm(image)) < 1e-9
+    assert abs(float(block.image_size([f])) - np.linalg.norm(image)) < 1e-9
 
 
 CONSTANTS = [

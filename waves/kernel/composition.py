@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from flint import acb, arb
+from flint import acb, acb_poly, arb
 
 from .cosine_series import Series, norm, polynomial_bound, polynomial_of, upper, values_at_steps
 from .force_text import Force
@@ -76,7 +76,9 @@ def _analytic(force: Force, f: Sequence[arb], nu: arb, reach: arb, strip: Strip)
         raise CertificateError("strip must have rho > nu, margin > radius bound, enough samples")
     require_size(4 * count * force.size)
     bounds = _bounds_on_circle(force, f, strip)
-    samples = [force.taylor(acb(value), 2) for value in values_at_steps(f, count)]
+    points = values_at_steps(f, count)[: count // 2 + 1]  # the others have the same values
+    half = [force.taylor(acb(value), 2) for value in points]
+    samples = [*half, *reversed(half[1 : (count + 1) // 2])]
     ratio = nu / rho
     series = []
     for order in (0, 1):
@@ -111,14 +113,10 @@ def _bounds_on_circle(force: Force, f: Sequence[arb], strip: Strip) -> tuple[arb
 def _values_on_circle(f: Sequence[arb], rho: arb) -> Iterator[acb]:
     """Yield balls that cover the strain's values on the circle |z| = rho."""
     slope = sum((j * abs(c) * (rho**j + rho**-j) for j, c in enumerate(f)), arb(0))
-    error = arb(0, upper(slope * arb.pi() / ARCS))
+    error, half = arb(0, upper(slope * arb.pi() / ARCS)), acb_poly(list(f))
     for arc in range(ARCS // 2 + 1):  # the other half has the conjugate values
         z = acb(rho) * acb(arb(0), 2 * arb.pi() * arc / ARCS).exp()
-        inverse, total, up, down = 1 / z, acb(f[0]), acb(1), acb(1)
-        for coefficient in f[1:]:
-            up, down = up * z, down * inverse
-            total += coefficient * (up + down)
-        yield total + acb(error, error)
+        yield half(z) + half(1 / z) - f[0] + acb(error, error)
 
 
 def _widened(value: acb, margin: arb) -> acb:

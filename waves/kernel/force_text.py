@@ -21,6 +21,13 @@ def _right(z: acb_series) -> acb_series:
     return z
 
 
+def _nonzero(z: acb_series) -> acb_series:
+    """Return a series that does not begin with 0. Raises CertificateError for any other."""
+    if not z[0].abs_lower() > 0:
+        raise CertificateError("force leaves its domain: a division by what may be 0")
+    return z
+
+
 FUNCTIONS: dict[str, Callable[[acb_series], acb_series]] = {
     "exp": acb_series.exp,
     "log": lambda z: _right(z).log(),
@@ -30,7 +37,7 @@ FUNCTIONS: dict[str, Callable[[acb_series], acb_series]] = {
     "tan": acb_series.tan,
     "sinh": lambda z: (z.exp() - (-z).exp()) / 2,
     "cosh": lambda z: (z.exp() + (-z).exp()) / 2,
-    "tanh": lambda z: 1 - 2 / ((2 * z).exp() + 1),
+    "tanh": lambda z: 1 - 2 / _nonzero((2 * z).exp() + 1),
 }
 """Analytic functions of the grammar, on power series."""
 
@@ -210,13 +217,13 @@ def _series(node: Node, r: acb_series, terms: int) -> acb_series:
         number = exponent[0]
         if number.q == 1 and abs(number.p) <= MAX_POWER:
             power = left ** abs(int(number.p))
-            return power if number.p >= 0 else acb_series([1], terms) / power
+            return power if number.p >= 0 else acb_series([1], terms) / _nonzero(power)
         return (_right(left).log() * acb(arb(number))).exp()
     operations = {
         "+": lambda: left + right,
         "-": lambda: left - right,
         "*": lambda: left * right,
-        "/": lambda: left / right,
+        "/": lambda: left / _nonzero(right),
     }
     result: acb_series = operations[kind]()
     return result

@@ -1,138 +1,115 @@
 r"""Solitary waves on the whole line: the contraction that proves one (Theorem 3).
 
-For V'(r) = c^2 r + N(r) and a speed v > c the strain f(n - v t) is f = K*g with g = N(f), where K
-has the transform s^2/(v^2 - c^2 s^2), s = sin(k/2)/(k/2); so F(g) = g - N(K*g) = 0 in even
-functions of L^2. The centre is a cosine polynomial on (-d, d) and 0 outside:
-
-    0 <= K(x) <= C exp(-kappa |x|),   C = max(1, exp(kappa - 1)/kappa if kappa > 1)/(v^2 - c^2 S),
-    S = (sinh(kappa/2)/(kappa/2))^2,  |K*h| <= L ||h||,  ||K*h|| <= ||h||/D,  D = v^2 - c^2,
-    L = min(1/D, (sqrt(3)/(2 v))^(1/2) D^(-3/4)).
+With V_m'(r) = V_m'(0) + K_m r + N_m(r) between m-th neighbours, the stretches y_m of a wave of
+speed v are y = K*g, where g_m = N_m(y_m) and K has the transforms T_m T_n/Delta (`line_kernel`);
+so F(g) = g - N(K*g) = 0 in even functions of L^2. The unknowns are the g_m of the nonlinear
+springs, the strain is y_1. The centre is a cosine polynomial on (-d, d) and 0 outside.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from flint import acb, arb
 
-from .composition import trimmed
-from .cosine_series import (
-    Series,
-    derivative,
-    entry,
-    largest,
-    norm,
-    polynomial_bound,
-    polynomial_of,
-    product,
-    upper,
-)
-from .force_text import Force
+from .composition import Composed, Strip, composed, trimmed
+from .cosine_series import Series, entry, largest, product, upper
 from .limits import CertificateError
-from .line_block import LineBlock, exponential_integral, line_block
-from .periodic import Contraction
+from .line_block import LineBlock, line_block, square_integral
+from .line_kernel import LineKernel, box
+from .periodic import Contraction, Spring
 
-TAYLOR_PIECES = 32
-"""Number of pieces of the range of strains on which a Taylor remainder is bounded."""
+SLOPE_CUT = 1e-9
+"""Norm below which the highest coefficients of N'(y) are only bounded, not known."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """Series of N_m and N_m' at the periodic stretch y_m, norms of their remainders.
+
+    ``third`` bounds V_m''' within the reach of the stretch, ``outer_third`` near rest.
+    """
+
+    stretch: Series
+    values: Series
+    values_rest: arb
+    slope: Series
+    slope_rest: arb
+    third: arb
+    outer_third: arb
 
 
 @dataclass(frozen=True)
 class SolitaryCentre:
-    """Modes a_0 ... a_N of g on (-d, d), the decay kappa of the kernel, the largest radius.
+    """Modes a_0 ... a_N of each g_m on (-d, d), decay kappa, size of the block, largest radius."""
 
-    An analytic force is replaced by its Taylor polynomial of ``degree`` for strains up to
-    ``range_bound``; the rest is bounded.
-    """
-
-    force: Force
+    springs: tuple[Spring, ...]
     speed_squared: arb
     half_length: arb
     kappa: arb
-    modes: Series
+    modes: tuple[Series, ...]
+    block: int
     radius_bound: arb
-    degree: int
-    range_bound: arb
-
-    @property
-    def top(self) -> int:
-        """N, the index of the highest mode."""
-        return len(self.modes) - 1
+    strip: Strip | None = None
 
     @cached_property
-    def taylor(self) -> Series:
-        """Taylor coefficients of the force at rest."""
-        if self.force.polynomial is not None:
-            return [*map(arb, self.force.polynomial), arb(0), arb(0)]
-        return [c.real for c in self.force.taylor(acb(0), self.degree + 1)]
-
-    @property
-    def sound_squared(self) -> arb:
-        """Squared speed of sound c^2."""
-        return self.taylor[1]
+    def nonlinear(self) -> tuple[Spring, ...]:
+        """Nonlinear springs, one for each unknown function."""
+        return nonlinear_springs(self.springs)
 
     @cached_property
-    def nonlinear(self) -> Series:
-        """Taylor coefficients of the nonlinear part N of the force."""
-        return [arb(0), arb(0), *self.taylor[2:]]
+    def line(self) -> LineKernel:
+        """Kernel of the linear chain; its functions are the strain and the unknowns' stretches."""
+        boxes = sorted({1, *(spring.neighbour for spring in self.nonlinear)})
+        stiffness = tuple((spring.neighbour, spring.force.at_rest[1]) for spring in self.springs)
+        return LineKernel(stiffness, self.speed_squared, self.kappa, tuple(boxes))
 
-    @cached_property
-    def taylor_rest(self) -> arb:
-        """Bound e of |N^(p)|/p! on the range, p = degree + 1: |rest of N| <= e |y|^p."""
-        if self.force.polynomial is not None:
-            return arb(0)
-        step = self.range_bound / TAYLOR_PIECES
-        sizes = []
-        for i in range(-TAYLOR_PIECES, TAYLOR_PIECES):
-            piece = acb((i * step).union((i + 1) * step))
-            sizes.append(abs(self.force.taylor(piece, self.degree + 2)[self.degree + 1]).upper())
-        return largest(sizes)
+    def wavenumber(self, n: int) -> arb:
+        """Return k_n = pi n/d."""
+        return arb.pi() * n / self.half_length
 
-    @cached_property
-    def gap(self) -> arb:
-        """Gap D = v^2 - c^2."""
-        return self.speed_squared - self.sound_squared
+    def boxes(self, n: int) -> list[arb]:
+        """Return T_m(k_n) for each unknown."""
+        return [box(spring.neighbour, self.wavenumber(n)) for spring in self.nonlinear]
 
-    @cached_property
-    def decay_constant(self) -> arb:
-        """Constant C in K(x) <= C exp(-kappa |x|). Raises CertificateError for a large kappa."""
-        half = self.kappa / 2
-        ratio = half.sinh() / half
-        below = self.speed_squared - self.sound_squared * ratio * ratio
-        if not below > 0:
-            raise CertificateError("kappa must satisfy c^2 (sinh(kappa/2)/(kappa/2))^2 < v^2")
-        peak = ((self.kappa - 1).exp() / self.kappa).max(arb(1))
-        return upper(peak / below)
+    def potential(self, modes: Sequence[Series], power: int) -> Series:
+        """Return the modes of sum_m T_m a_m/Delta^power, of which a kernel's parts are T_n."""
+        result = []
+        for n in range(len(modes[0])):
+            pull = sum((t * a[n] for t, a in zip(self.boxes(n), modes, strict=True)), arb(0))
+            result.append(pull / self.line.symbol(self.wavenumber(n)) ** power)
+        return result
 
-    @cached_property
-    def embedding(self) -> arb:
-        """Constant L in |K*h| <= L ||h||."""
-        root = (arb(3).sqrt() / (2 * self.speed_squared.sqrt())).sqrt()
-        return upper((1 / self.gap).min(root / self.gap.sqrt() / self.gap.sqrt().sqrt()))
-
-    def multiplier(self, n: int) -> arb:
-        """Return the transform of K at k = pi n/d."""
-        half = arb.pi() * n / self.half_length / 2
-        square = (half.sin() / half) ** 2 if n else arb(1)
-        return square / (self.speed_squared - self.sound_squared * square)
+    def boxed(self, potential: Series, m: int) -> Series:
+        """Return the modes of T_m times a ``potential``."""
+        return [box(m, self.wavenumber(n)) * c for n, c in enumerate(potential)]
 
     @cached_property
     def strain(self) -> Series:
-        """Modes of the periodic strain f_p, the sum of the translates of K*g by 2 d."""
-        return [self.multiplier(n) * a for n, a in enumerate(self.modes)]
+        """Modes of the periodic strain, the sum of the translates of K*g by 2 d."""
+        return self.boxed(self.potential(self.modes, 1), 1)
 
-    @property
-    def size_below(self) -> arb:
-        """Lower bound of the centre's norm in L^2."""
-        total = product(self.modes, self.modes)[0] * 2 * self.half_length
-        return total.max(arb(0)).sqrt().lower()
+    def size(self, functions: Sequence[Series]) -> arb:
+        """Return a ball with the norm in L^2(-d, d) of ``functions``."""
+        total = sum((product(f, f)[0] for f in functions), arb(0)) * 2 * self.half_length
+        return total.max(arb(0)).sqrt()
+
+    def weighted_size(self, functions: Sequence[Series]) -> arb:
+        """Bound (2 d times the integral of sum f^2 exp(2 kappa |x|))^(1/2)."""
+        total = square_integral(functions, 2 * self.kappa, self.half_length)
+        return upper((2 * self.half_length * total).abs_upper().sqrt())
+
+    def edge_size(self, functions: Sequence[Series]) -> arb:
+        """Bound (integral of sum f^2 exp(-2 kappa (d - |x|)))^(1/2)."""
+        total = square_integral(functions, 2 * self.kappa, self.half_length)
+        return upper(total.abs_upper().sqrt() * self.edge)
 
     @cached_property
-    def weighted_size(self) -> arb:
-        """Weighted norm G = (2 d times the integral of g^2 exp(2 kappa |x|))^(1/2)."""
-        square = product(self.modes, self.modes)
-        total = exponential_integral(square, 2 * self.kappa, self.half_length)
-        return upper((2 * self.half_length * total).abs_upper().sqrt())
+    def weight(self) -> arb:
+        """Weighted norm G of the centre."""
+        return self.weighted_size(self.modes)
 
     @cached_property
     def edge(self) -> arb:
@@ -144,77 +121,114 @@ class SolitaryCentre:
         """Sum Q = 1/(1 - exp(-2 kappa d)) of the decay over all periodic images."""
         return upper(1 / (1 - self.edge * self.edge))
 
-    @cached_property
-    def periodic_error(self) -> arb:
-        """Bound delta of |f_p - K*g| on (-d, d); at x = 0 it is delta exp(-kappa d)."""
-        return upper(2 * self.decay_constant * self.weighted_size * self.images * self.edge)
+    def periodic_error(self, power: int, weight: arb) -> arb:
+        """Bound exp(kappa (d - |x|)) |periodic kernel*g - kernel*g| on (-d, d).
+
+        ``weight`` is the weighted norm of g.
+        """
+        return upper(2 * self.line.constants[power - 1] * weight * self.images * self.edge)
 
     @cached_property
-    def outer_strain(self) -> arb:
-        """Bound of |K*g| outside (-d, d)."""
-        return upper(self.decay_constant * self.weighted_size * self.edge)
+    def delta(self) -> arb:
+        """Bound of |periodic stretches - stretches| on (-d, d)."""
+        return self.periodic_error(1, self.weight)
+
+    @cached_property
+    def outer(self) -> arb:
+        """Bound of the stretches exp(kappa (|x| - d)) outside (-d, d)."""
+        return upper(self.line.constants[0] * self.weight * self.edge)
+
+    @cached_property
+    def embedding(self) -> arb:
+        """Constant L in |K*h| <= L ||h||."""
+        return upper(self.line.constants[0] / self.kappa.sqrt())
+
+    def norm_of_kernel(self, power: int) -> arb:
+        """Bound ||kernel*h||/||h||."""
+        return upper(2 * self.line.constants[power - 1] / self.kappa)
+
+    @cached_property
+    def laws(self) -> tuple[Law, ...]:
+        """Forces of the nonlinear springs at the centre."""
+        potential = self.potential(self.modes, 1)
+        return tuple(self.law(s, self.boxed(potential, s.neighbour)) for s in self.nonlinear)
+
+    def law(self, spring: Spring, stretch: Series) -> Law:
+        """Return the force of a spring at a periodic ``stretch``."""
+        reach = upper(self.delta + self.embedding * self.radius_bound)
+        law: Composed = composed(spring.force, stretch, arb(1), reach, self.strip)
+        rest_force, stiffness = spring.force.at_rest[:2]
+        values = [entry(law.force, n) for n in range(max(len(law.force), len(stretch)))]
+        values = [value - stiffness * entry(stretch, n) for n, value in enumerate(values)]
+        values[0] -= rest_force
+        slope = [law.stiffness[0] - stiffness, *law.stiffness[1:]]
+        near_rest = acb(arb(0, upper(self.outer + reach)))
+        third = abs(2 * spring.force.taylor(near_rest, 3)[2]).upper()
+        if not third.is_finite():
+            raise CertificateError("force leaves its domain near rest")
+        return Law(
+            stretch, values, law.force_rest, slope, law.stiffness_rest, law.third, upper(third)
+        )
+
+    @cached_property
+    def third(self) -> arb:
+        """Largest bound of V_m''' on (-d, d)."""
+        return largest(law.third for law in self.laws)
+
+    @cached_property
+    def outer_third(self) -> arb:
+        """Largest bound of V_m''' outside (-d, d)."""
+        return largest(law.outer_third for law in self.laws)
+
+    @cached_property
+    def edge_slope(self) -> arb:
+        """Bound (integral of sum N'(y)^2 exp(-2 kappa (d - |x|)))^(1/2)."""
+        rest = sum((law.slope_rest for law in self.laws), arb(0)) / self.kappa.sqrt()
+        return upper(self.edge_size([law.slope for law in self.laws]) + rest)
+
+    @cached_property
+    def linear(self) -> LineBlock:
+        """Approximate inverse of DF on the modes up to `block`."""
+        slopes, rests = zip(
+            *(trimmed(law.slope, arb(1), SLOPE_CUT) for law in self.laws), strict=True
+        )
+        count = self.block + 1
+        tail = self.line.largest_beyond(self.wavenumber(count))
+        part = line_block(slopes, self.kernel, tail, count, self.half_length)
+        rest = largest([*rests, *(law.slope_rest for law in self.laws)]) * 2
+        missing = part.size * rest * self.norm_of_kernel(1)
+        return replace(part, contraction=upper(part.contraction + missing))
+
+    def kernel(self, n: int) -> list[list[arb]]:
+        """Return the matrix T_m T_m'/Delta of the unknowns at k_n."""
+        boxes, pull = self.boxes(n), self.line.symbol(self.wavenumber(n))
+        return [[s * t / pull for t in boxes] for s in boxes]
+
+
+def nonlinear_springs(springs: Sequence[Spring]) -> tuple[Spring, ...]:
+    """Return the springs whose force is not proved to be linear."""
+    return tuple(s for s in springs if s.force.polynomial is None or len(s.force.polynomial) > 2)
 
 
 def solitary_contraction(centre: SolitaryCentre) -> Contraction:
     """Return the bounds of the map g - A F(g) about a centre. Raises CertificateError."""
-    if not (centre.gap > 0 and centre.sound_squared > 0):
-        raise CertificateError("speed must be above the speed of sound")
-    if not (centre.kappa > 0 and centre.half_length > 0):
-        raise CertificateError("kappa > 0 and half_length > 0 must hold")
-    slope, rest = trimmed(
-        polynomial_of(derivative(centre.nonlinear, 1), centre.strain), arb(1), 1e-9
-    )
-    block = _block(centre, slope)
-    size = block.size
-    delta, d, gap, kappa = centre.periodic_error, centre.half_length, centre.gap, centre.kappa
-    inner = upper(norm(centre.strain, arb(1)) + delta)
-    reach = largest([inner, centre.outer_strain])
-    widest = upper(reach + centre.embedding * centre.radius_bound)
-    if not centre.range_bound >= widest and centre.force.polynomial is None:
-        least = widest.str(6, radius=False)
-        raise CertificateError(f"range_bound must be at least {least}, got {centre.range_bound}")
-    p, e = centre.degree + 1, centre.taylor_rest
-    curvature = polynomial_bound(derivative(centre.nonlinear, 2), inner)
-    edge_slope = _edge_slope(centre, slope) + rest / kappa.sqrt()
-    outer = polynomial_bound(centre.nonlinear[2:], centre.outer_strain)
-    defect = (
-        delta * edge_slope
-        + curvature * delta * delta / (2 * (2 * kappa).sqrt())
-        + outer * centre.outer_strain**2 / (2 * kappa).sqrt()
-        + e * (reach**p * (2 * d).sqrt() + centre.outer_strain**p / (p * kappa).sqrt())
-    )
-    coupling = (2 * centre.images + 1) * centre.decay_constant * edge_slope / kappa.sqrt()
-    variation = largest(
-        [delta * curvature, polynomial_bound(derivative(centre.nonlinear, 1), centre.outer_strain)]
-    )
-    linear = coupling + (variation + rest + e * p * reach ** (p - 1)) / gap
-    second = polynomial_bound(derivative(centre.nonlinear, 2), widest) + e * p * (
-        p - 1
-    ) * widest ** (p - 2)
+    if not centre.half_length > 0:
+        raise CertificateError("half_length > 0 must hold")
+    delta, outer, kappa, linear = centre.delta, centre.outer, centre.kappa, centre.linear
+    constant, operator = centre.line.constants[0], centre.norm_of_kernel(1)
+    curvature = centre.third * delta * delta + centre.outer_third * outer * outer
+    rest = sum((law.values_rest for law in centre.laws), arb(0)) * (2 * centre.half_length).sqrt()
+    defect = delta * centre.edge_slope + curvature / (2 * (2 * kappa).sqrt()) + rest
+    coupling = (2 * centre.images + 1) * constant * centre.edge_slope / kappa.sqrt()
+    variation = largest([upper(delta * centre.third), upper(outer * centre.outer_third)])
+    differences = [
+        [entry(a, n) - entry(law.values, n) for n in range(max(len(a), len(law.values)))]
+        for a, law in zip(centre.modes, centre.laws, strict=True)
+    ]
+    second = largest([centre.third, centre.outer_third])
     return Contraction(
-        upper(block.image_size(_periodic_defect(centre)) + size * defect),
-        block.contraction,
-        upper(size * linear),
-        upper(size * second * centre.embedding / gap),
+        upper(linear.image_size(differences) + linear.size * defect),
+        linear.contraction,
+        upper(linear.size * (coupling + variation * operator)),
+        upper(linear.size * second * centre.embedding * operator),
     )
-
-
-def _block(centre: SolitaryCentre, slope: Series) -> LineBlock:
-    """Return the inverted linear part; W has the modes ``slope``."""
-    wave = arb.pi() * (centre.top + 1) / centre.half_length
-    tail = 1 / (centre.gap + centre.speed_squared * wave * wave / 12)
-    return line_block(slope, centre.multiplier, tail, centre.top, centre.half_length)
-
-
-def _periodic_defect(centre: SolitaryCentre) -> Series:
-    """Return the modes of g - N(f_p)."""
-    values = polynomial_of(centre.nonlinear, centre.strain)
-    count = max(len(values), centre.top + 1)
-    return [entry(centre.modes, n) - entry(values, n) for n in range(count)]
-
-
-def _edge_slope(centre: SolitaryCentre, slope: Series) -> arb:
-    """Return the root of the integral of W^2 exp(-2 kappa (d - |x|)); W is ``slope``."""
-    square = product(slope, slope)
-    total = exponential_integral(square, 2 * centre.kappa, centre.half_length)
-    return upper((total * (-2 * centre.kappa * centre.half_length).exp()).abs_upper().sqrt())
