@@ -64,13 +64,13 @@ def _certificate(spring: Spring, soliton: Soliton, eps: fmpq) -> dict[str, Any]:
         "kappa": KAPPA,
         "block": BLOCKS[soliton.power],
     }
-    data["pieces"] = _Corrections(soliton).pieces(eps * eps)
+    data["pieces"] = Corrections(soliton).pieces(eps * eps)
     claim = LineTieClaim(Record(data, "certificate"))
     data["claims"] = {name: interval(v) for name, v in claim.numbers(claim.read()).items()}
     return data
 
 
-class _Corrections:
+class Corrections:
     """Corrections of a soliton on pieces of eps^2; each starts from the one before."""
 
     def __init__(self, soliton: Soliton) -> None:
@@ -80,7 +80,7 @@ class _Corrections:
 
     def pieces(self, square: fmpq) -> list[dict[str, Any]]:
         """Return pieces that cover eps^2 = 0 ... ``square``; one whose proof fails is halved."""
-        line_tie_contraction(self._at(arb(square)))  # refuses a large eps at once
+        line_tie_contraction(self.at(arb(square)))  # refuses a large eps at once
         count = min(max(LEAST_PIECES, math.ceil(float(square / PIECE))), FIRST_PIECES)
         ends = [square * i / count for i in range(count + 1)]
         remaining = [*pairwise(ends)][::-1]
@@ -99,13 +99,14 @@ class _Corrections:
         return pieces
 
     def _piece(self, first: fmpq, last: fmpq) -> dict[str, Any]:
-        self._solve(arb((first + last) / 2))
-        piece = self._at(arb(first).union(arb(last)))
+        self.solve(arb((first + last) / 2))
+        piece = self.at(arb(first).union(arb(last)))
         bound = contracting_radius(line_tie_contraction(piece))
         correction = [decimal_text(c) for c in self.modes]
         return {"square": str(last), "bound": bound, "correction": correction}
 
-    def _at(self, square: arb) -> LineTiePiece:
+    def at(self, square: arb) -> LineTiePiece:
+        """Return the piece with the present correction for eps^2 in the ball ``square``."""
         return LineTiePiece(
             self.soliton,
             square,
@@ -116,10 +117,10 @@ class _Corrections:
             arb(LARGEST_BOUND),
         )
 
-    def _solve(self, square: arb) -> None:
+    def solve(self, square: arb) -> None:
         """Compute the correction at eps^2 = ``square`` by chord steps. Raises CertificateError."""
         for _ in range(STEPS):
-            piece = self._at(square)
+            piece = self.at(square)
             block = self.block = self.block or tie_block(piece)[0]
             residual = defect(piece)
             change = _image(block, [entry(residual, n).mid() for n in range(len(self.modes))])
@@ -131,7 +132,7 @@ class _Corrections:
 
 def _image(block: LineBlock, f: Series) -> Series:
     """Return A f for the cosine series f."""
-    count, root = block.inverse.nrows(), arb(2).sqrt()
+    count, root = block.count, arb(2).sqrt()
     scaled = [f[0] / root, *f[1:count]]
     inside = (block.inverse * arb_mat(count, 1, scaled)).entries()
     return [inside[0] * root, *inside[1:], *f[count:]]

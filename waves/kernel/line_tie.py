@@ -42,7 +42,7 @@ from .cosine_series import (
 )
 from .force_text import Force
 from .limits import MAX_MODES, CertificateError
-from .line_block import LineBlock, exponential_integral, line_block
+from .line_block import LineBlock, line_block, square_integral
 from .long_waves import h, h2, h_series
 from .periodic import Contraction
 
@@ -268,9 +268,7 @@ class LineTiePiece:
         """Constants in |Y| <= Y_1 exp(-kappa |x|) and |Z| <= Z_1 exp(-kappa |x|)."""
         soliton, s = self.soliton, self.largest_square
         source = soliton.source_bound * soliton.front * (soliton.omega * s.sqrt()).exp()
-        square = exponential_integral(
-            product(self.correction, self.correction), 2 * self.kappa, self.half_length
-        )
+        square = square_integral([self.correction], 2 * self.kappa, self.half_length)
         weight = (2 * self.half_length * square).abs_upper().sqrt()
         weight += 2 * source / (soliton.omega - self.kappa)
         return upper(soliton.front), upper(self.decay_constant * weight + s * source)
@@ -315,7 +313,10 @@ def tie_block(piece: LineTiePiece) -> tuple[LineBlock, arb]:
     """Return the inverted linear part, and the norm of the modes of W that it leaves out."""
     slope = polynomial_of(derivative(piece.nonlinear[0], 1), piece.wave)
     known, rest = trimmed(slope, arb(1), SLOPE_CUT)
-    return line_block(known, piece.multiplier, piece.tail, piece.top, piece.half_length), rest
+    block = line_block(
+        [known], lambda n: [[piece.multiplier(n)]], piece.tail, piece.top + 1, piece.half_length
+    )
+    return block, rest
 
 
 def line_tie_contraction(piece: LineTiePiece) -> Contraction:
@@ -338,7 +339,9 @@ def line_tie_contraction(piece: LineTiePiece) -> Contraction:
     variation = polynomial_bound(second, reach) * (error_y + s * error_z) + rest
     third = polynomial_bound(second, upper(reach + outer + s * piece.embedding * piece.bound))
     return Contraction(
-        upper(block.image_size(defect(piece)) + block.size * inner + outside / (2 * kappa).sqrt()),
+        upper(
+            block.image_size([defect(piece)]) + block.size * inner + outside / (2 * kappa).sqrt()
+        ),
         block.contraction,
         upper(block.size * (coupling + variation) + polynomial_bound(slope, outer)),
         upper(block.size * third * s * piece.embedding),

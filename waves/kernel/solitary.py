@@ -9,21 +9,20 @@ springs, the strain is y_1. The centre is a cosine polynomial on (-d, d) and 0 o
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
-from flint import acb, arb, arb_mat, ctx
+from flint import acb, arb
 
 from .composition import Composed, Strip, composed, trimmed
-from .cosine_series import Series, entry, largest, norm, product, upper
-from .limits import CertificateError, require_size
+from .cosine_series import Series, entry, largest, product, upper
+from .limits import CertificateError
+from .line_block import LineBlock, line_block, square_integral
 from .line_kernel import LineKernel, box
-from .periodic import Contraction, Spring, approximate_inverse, identity
+from .periodic import Contraction, Spring
 
 SLOPE_CUT = 1e-9
 """Norm below which the highest coefficients of N'(y) are only bounded, not known."""
-
-BLOCK_BITS = 64
 
 
 @dataclass(frozen=True)
@@ -99,24 +98,13 @@ class SolitaryCentre:
 
     def weighted_size(self, functions: Sequence[Series]) -> arb:
         """Bound (2 d times the integral of sum f^2 exp(2 kappa |x|))^(1/2)."""
-        total = self._exponential_integral(functions)
+        total = square_integral(functions, 2 * self.kappa, self.half_length)
         return upper((2 * self.half_length * total).abs_upper().sqrt())
 
     def edge_size(self, functions: Sequence[Series]) -> arb:
         """Bound (integral of sum f^2 exp(-2 kappa (d - |x|)))^(1/2)."""
-        total = self._exponential_integral(functions)
+        total = square_integral(functions, 2 * self.kappa, self.half_length)
         return upper(total.abs_upper().sqrt() * self.edge)
-
-    def _exponential_integral(self, functions: Sequence[Series]) -> arb:
-        """Return the integral of sum f(x)^2 exp(2 kappa |x|) over (-d, d)."""
-        rate, total = 2 * self.kappa, arb(0)
-        grown = (rate * self.half_length).exp()
-        for f in functions:
-            for n, coefficient in enumerate(product(f, f)):
-                value = 2 * rate * ((-1) ** n * grown - 1)
-                value /= rate * rate + self.wavenumber(n) * self.wavenumber(n)
-                total += (2 if n else 1) * coefficient * value
-        return total
 
     @cached_property
     def weight(self) -> arb:
@@ -199,9 +187,22 @@ class SolitaryCentre:
         return upper(self.edge_size([law.slope for law in self.laws]) + rest)
 
     @cached_property
-    def linear(self) -> LinearPart:
+    def linear(self) -> LineBlock:
         """Approximate inverse of DF on the modes up to `block`."""
-        return LinearPart.of(self)
+        slopes, rests = zip(
+            *(trimmed(law.slope, arb(1), SLOPE_CUT) for law in self.laws), strict=True
+        )
+        count = self.block + 1
+        tail = self.line.largest_beyond(self.wavenumber(count))
+        part = line_block(slopes, self.kernel, tail, count, self.half_length)
+        rest = largest([*rests, *(law.slope_rest for law in self.laws)]) * 2
+        missing = part.size * rest * self.norm_of_kernel(1)
+        return replace(part, contraction=upper(part.contraction + missing))
+
+    def kernel(self, n: int) -> list[list[arb]]:
+        """Return the matrix T_m T_m'/Delta of the unknowns at k_n."""
+        boxes, pull = self.boxes(n), self.line.symbol(self.wavenumber(n))
+        return [[s * t / pull for t in boxes] for s in boxes]
 
 
 def nonlinear_springs(springs: Sequence[Spring]) -> tuple[Spring, ...]:
@@ -227,101 +228,7 @@ def solitary_contraction(centre: SolitaryCentre) -> Contraction:
     second = largest([centre.third, centre.outer_third])
     return Contraction(
         upper(linear.image_size(differences) + linear.size * defect),
-        linear.block_norm,
+        linear.contraction,
         upper(linear.size * (coupling + variation * operator)),
         upper(linear.size * second * centre.embedding * operator),
     )
-
-
-@dataclass(frozen=True)
-class LinearPart:
-    """Approximate inverse A of DF: ``inverse`` on the modes below ``count``, else the identity.
-
-    ``size`` is the norm of A. ``block_norm`` bounds I - A (I - W K_per), W = N'(y) on (-d, d).
-    """
-
-    half_length: arb
-    count: int
-    inverse: arb_mat
-    size: arb
-    block_norm: arb
-
-    @classmethod
-    def of(cls, centre: SolitaryCentre) -> LinearPart:
-        """Invert the block of a centre. Raises CertificateError."""
-        slopes, rests = zip(
-            *(trimmed(law.slope, arb(1), SLOPE_CUT) for law in centre.laws), strict=True
-        )
-        unknowns, count = range(len(slopes)), centre.block + 1
-        width = max(map(len, slopes)) - 1
-        require_size(len(slopes) ** 2 * count * (count + width))
-        inside = [(m, n) for m in unknowns for n in range(count)]
-        outside = [(m, n) for m in unknowns for n in range(count, count + width)]
-        unit = identity(len(inside))
-        block = unit - _coupling(centre, slopes, inside, inside)
-        precision, ctx.prec = ctx.prec, BLOCK_BITS
-        try:
-            inverse = approximate_inverse(block)
-        finally:
-            ctx.prec = precision
-        sizes = largest(norm(slope, arb(1)) for slope in slopes)
-        norms = [
-            _spectral_norm(unit - inverse * block),
-            sizes * centre.line.largest_beyond(centre.wavenumber(count)),
-        ]
-        if outside:
-            norms.append(_spectral_norm(inverse * _coupling(centre, slopes, inside, outside)))
-            norms.append(_spectral_norm(_coupling(centre, slopes, outside, inside)))
-        size = largest([arb(1), _spectral_norm(inverse)])
-        rest = largest([*rests, *(law.slope_rest for law in centre.laws)]) * 2
-        total = sum((n * n for n in norms), arb(0)).abs_upper().sqrt()
-        total += size * rest * centre.norm_of_kernel(1)
-        return cls(centre.half_length, count, inverse, size, upper(total))
-
-    def image_size(self, functions: Sequence[Series]) -> arb:
-        """Bound the norm of A applied to ``functions``, one for each unknown."""
-        first, other = (2 * self.half_length).sqrt(), 2 * self.half_length.sqrt()
-        inside, total = [], arb(0)
-        for f in functions:
-            scaled = [c * (other if n else first) for n, c in enumerate(f)]
-            inside += [entry(scaled, n) for n in range(self.count)]
-            total += sum((abs(c) * abs(c) for c in scaled[self.count :]), arb(0))
-        image = self.inverse * arb_mat(len(inside), 1, inside)
-        total += sum((abs(c) * abs(c) for c in image.entries()), arb(0))
-        return upper(total.abs_upper().sqrt())
-
-
-Index = tuple[int, int]
-"""Index of an unknown and of its mode."""
-
-
-def _coupling(
-    centre: SolitaryCentre,
-    slopes: Sequence[Series],
-    rows: Sequence[Index],
-    columns: Sequence[Index],
-) -> arb_mat:
-    """Return entries of W K_per in the orthonormal cosine basis; W has the modes ``slopes``."""
-    root, kernels = arb(2).sqrt(), {}
-    for j in {j for _, j in columns}:
-        boxes = centre.boxes(j)
-        pull = centre.line.symbol(centre.wavenumber(j))
-        kernels[j] = [[s * t / pull for t in boxes] for s in boxes]
-    entries = []
-    for m, i in rows:
-        slope = slopes[m]
-        for n, j in columns:
-            if i and j:
-                weight = entry(slope, i - j) + entry(slope, i + j)
-            else:
-                weight = entry(slope, i + j) * (root if i + j else 1)
-            entries.append(weight * kernels[j][m][n])
-    return arb_mat(len(rows), len(columns), entries)
-
-
-def _spectral_norm(matrix: arb_mat) -> arb:
-    """Bound the spectral norm: root of the product of largest row sum and largest column sum."""
-    sizes = [[abs(value) for value in row] for row in matrix.tolist()]
-    rows = largest(sum(row, arb(0)).upper() for row in sizes)
-    columns = largest(sum(column, arb(0)).upper() for column in zip(*sizes, strict=True))
-    return upper((rows * columns).sqrt())

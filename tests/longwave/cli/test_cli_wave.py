@@ -55,6 +55,19 @@ def test_all_small_eps(capsys: pytest.CaptureFixture[str]) -> None:
     assert "For every 0 < eps <= 1/10" in capsys.readouterr().out
 
 
+def test_a_soliton_of_all_small_eps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, words = tmp_path / "w.json", ["wave", "alpha_fput", "--set", "K2=1,K3=1"]
+    words += ["--near", "kdv_soliton", "--every-eps-to", "1/50", "--certificate", str(path)]
+    assert main(words) == 0
+    text = capsys.readouterr().out
+    assert "For every 0 < eps <= 1/50" in text
+    assert "distance_over_eps4  0.92" in text
+    assert main(["check", str(path)]) == 0
+    assert "line_tie: accepted" in capsys.readouterr().out
+    assert main([*words, "--k", "1/2", "--force"]) == 2
+    assert "a soliton has none" in capsys.readouterr().err
+
+
 def test_what_is_not_proved_has_status_1(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["wave", "alpha_fput", "--set", "K2=1,K3=1", "--speed", "1/2"]
     assert main(words) == 1
