@@ -86,9 +86,9 @@ class Proved:
         Path(path).write_text(json.dumps(self.certificate, indent=1) + "\n", encoding="utf-8")
 
     def to_json(self) -> dict[str, Any]:
-        """Return verdict, reason, radius, and the lower and upper end of each number."""
+        """Return verdict, reason, the radius of one wave, and both ends of each number."""
         numbers = {n: {"lower": i.lower, "upper": i.upper} for n, i in self.numbers.items()}
-        radius = {"radius": self.certificate["radius"]} if self.certificate else {}
+        radius = {name: self.certificate[name] for name in ("radius",) if name in self.certificate}
         return {"verdict": str(self.verdict), "reason": self.reason, **radius, **numbers}
 
 

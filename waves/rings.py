@@ -117,7 +117,7 @@ Spectrum = list[tuple[complex, Components]]
 
 
 def _growth(spectrum: Spectrum) -> float:
-    return max(value.real for value, _ in spectrum)
+    return max((value.real for value, _ in spectrum), default=0.0)
 
 
 def _spectrum(certificate: Mapping[str, Any], wave: PeriodicClaim, bloch: fmpq) -> Spectrum:

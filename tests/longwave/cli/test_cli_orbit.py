@@ -1,4 +1,4 @@
-"""``longwave orbit``: verdicts, numbers with errors, certificates, and mistakes."""
+"""``longwave orbit``: verdicts, numbers with errors, and certificates."""
 
 import json
 from pathlib import Path
@@ -49,22 +49,3 @@ def test_a_breather(capsys: pytest.CaptureFixture[str]) -> None:
     assert "  amplitude  1.377751273481742 +- " in text
     assert main([*chain, "--frequency", "11/10"]) == 1
     assert "REFUSED: harmonic 1 of the frequency 1.1 is resonant" in capsys.readouterr().out
-
-
-MISTAKES = [
-    ([*CHAIN[:4]], "one of sites and frequency must be given"),
-    ([*CHAIN], "energy must be positive"),
-    ([*CHAIN, "--energy", "x"], "energy"),
-    ([*CHAIN, "--energy", "1", "--mode", "3"], "mode must be from 1 to the number of sites"),
-    (["orbit", "alpha_fput", "--sites", "3", "--energy", "1"], "constants must have values"),
-]
-
-
-@pytest.mark.parametrize(("words", "message"), MISTAKES)
-def test_mistakes_are_answered_in_one_line(
-    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(words) == 2
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1

@@ -1,4 +1,4 @@
-"""``longwave wave``: verdicts, numbers with errors, certificates, and mistakes."""
+"""``longwave wave``: verdicts, numbers, certificates; mistakes at it and ``longwave orbit``."""
 
 import json
 from pathlib import Path
@@ -8,6 +8,7 @@ import pytest
 from longwave.__main__ import main
 
 CHAIN = ["wave", "fput_strain", "--set", "K2=1,K3=0,K4=1"]
+ORBIT = ["orbit", "alpha_fput", "--set", "K2=1,K3=1/5", "--sites", "2"]
 NEAR = ["--near", "wave_dn", "--k", "3/5", "--eps", "2/25"]
 
 
@@ -55,6 +56,29 @@ def test_all_small_eps(capsys: pytest.CaptureFixture[str]) -> None:
     assert "For every 0 < eps <= 1/10" in capsys.readouterr().out
 
 
+def test_json_of_all_small_eps_has_no_radius(capsys: pytest.CaptureFixture[str]) -> None:
+    """Catches a KeyError: a tie has a radius for each piece, and none for all."""
+    words = ["wave", "alpha_fput", "--set", "K2=1,K3=1", "--near", "soliton"]
+    assert main([*words, "--every-eps-to", "1/50", "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert [*data] == ["verdict", "reason", "distance_over_eps4"]
+
+
+def test_a_ring_is_printed_written_and_checked(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "w.json"
+    words = [*CHAIN, "--near", "dn", "--k", "3/5", "--period", "10", "--ring", "2"]
+    assert main([*words, "--certificate", str(path)]) == 0
+    assert "  ring of 2 wavelengths  STABLE, proved" in capsys.readouterr().out
+    assert main(["check", str(path)]) == 0
+    assert "ring: accepted" in capsys.readouterr().out
+    assert main([*words, "--json"]) == 0
+    ring = json.loads(capsys.readouterr().out)["ring"]
+    assert ring["verdict"] == "STABLE"
+    assert ring["growth"] == {"lower": "0", "upper": "0"}
+
+
 def test_a_soliton_of_all_small_eps(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, words = tmp_path / "w.json", ["wave", "alpha_fput", "--set", "K2=1,K3=1"]
     words += ["--near", "kdv_soliton", "--every-eps-to", "1/50", "--certificate", str(path)]
@@ -87,6 +111,12 @@ MISTAKES = [
     ([*CHAIN, "--near", "dn", "--k", "3/5", "--every-eps-to", "1/10", "--eps", "1"], "--eps"),
     ([*CHAIN, "--near", "kn", "--k", "3/5", "--eps", "1/10"], "near must be one of dn, cn, sn"),
     ([*CHAIN, *NEAR, "--digits", "1"], "--digits"),
+    ([*CHAIN, *NEAR, "--ring", "8"], "a ring needs a wave whose period is an integer"),
+    ([*ORBIT[:4]], "one of sites and frequency must be given"),
+    ([*ORBIT], "energy must be positive"),
+    ([*ORBIT, "--energy", "x"], "energy"),
+    ([*ORBIT, "--energy", "1", "--mode", "3"], "mode must be from 1 to the number of sites"),
+    (["orbit", "alpha_fput", "--sites", "3", "--energy", "1"], "constants must have values"),
 ]
 
 
