@@ -84,12 +84,9 @@ class ExactOrbit(Proved):
     def start(self) -> tuple[Interval, ...]:
         """Displacement of each site at t = 0; of a breather, of the sites about the middle."""
         error = arb(0, arb(str(self.certificate["radius"])).upper())
-        before, ctx.prec = ctx.prec, int(self.certificate["bits"])
-        try:
+        with ctx.workprec(int(self.certificate["bits"])):
             sums = [modes[0] + 2 * sum(modes[1:], arb(0)) + error for modes in self._centre.modes]
             return tuple(Interval(*interval(ends_of(total))) for total in sums)
-        finally:
-            ctx.prec = before
 
     def at(self, t: ArrayLike) -> NDArray[np.float64]:
         """Return the displacements (times, sites) in double precision."""
@@ -106,13 +103,10 @@ class ExactOrbit(Proved):
 
     @cached_property
     def _centre(self) -> OrbitCentre:
-        before, ctx.prec = ctx.prec, int(self.certificate["bits"])
-        try:
+        with ctx.workprec(int(self.certificate["bits"])):
             record = Record(dict(self.certificate), "certificate")
             claim = OrbitClaim if self.certificate["kind"] == "orbit" else BreatherClaim
             return claim(record).centre
-        finally:
-            ctx.prec = before
 
 
 def exact_orbit(

@@ -11,10 +11,10 @@ import numpy as np
 from flint import acb, acb_mat, arb, ctx, fmpq
 from numpy.typing import NDArray
 
-from longwave.waves.certificates import contracting_radius, decimal_text, interval
+from longwave.waves.certificates import completed, decimal_text
 from longwave.waves.kernel.exponent import ExponentCentre, Stiffness, exponent_contraction
 from longwave.waves.kernel.exponent_claim import ExponentClaim
-from longwave.waves.kernel.limits import CertificateError, decimal
+from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.periodic_claim import PeriodicClaim
 from longwave.waves.kernel.reading import Record
 
@@ -52,11 +52,8 @@ def exponent_certificate(
 
     Raises CertificateError if the proof fails.
     """
-    before, ctx.prec = ctx.prec, int(certificate["bits"])
-    try:
+    with ctx.workprec(int(certificate["bits"])):
         return _prove(certificate, bloch, exponent, vector)
-    finally:
-        ctx.prec = before
 
 
 def most_unstable(certificate: Mapping[str, Any], bloch: fmpq) -> dict[str, Any]:
@@ -101,10 +98,7 @@ def _prove(
         "vector": [[decimal_text(w.real), decimal_text(w.imag)] for w in centre.vector],
     }
     claim = ExponentClaim(Record(dict(data), "certificate"))
-    data["radius"] = contracting_radius(exponent_contraction(claim.centre))
-    claim.radius = arb(decimal(data["radius"]))
-    data["claims"] = {name: interval(value) for name, value in claim.prove().items()}
-    return data
+    return completed(data, claim, exponent_contraction(claim.centre))
 
 
 def approximate_centre(

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import Any
 
 from flint import arb, arb_mat, ctx, fmpq
 
-from longwave.waves.certificates import contracting_radius, decimal_text, interval
+from longwave.waves.certificates import (
+    contracting_radius,
+    decimal_text,
+    intervals,
+    lattice_record,
+    proved_pieces,
+)
 from longwave.waves.kernel.cosine_series import Series, entry
 from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.line_block import LineBlock
@@ -46,18 +51,15 @@ def line_tie_certificate(spring: Spring, eps: fmpq) -> dict[str, Any]:
 
     Raises CertificateError with the inequality that failed.
     """
-    before, ctx.prec = ctx.prec, BITS
-    try:
+    with ctx.workprec(BITS):
         return _certificate(spring, Soliton.of(spring.force), eps)
-    finally:
-        ctx.prec = before
 
 
 def _certificate(spring: Spring, soliton: Soliton, eps: fmpq) -> dict[str, Any]:
     data: dict[str, Any] = {
         "kind": "line_tie",
         "version": 1,
-        "lattice": {"springs": [{"neighbour": 1, "force": spring.force.text}]},
+        "lattice": lattice_record([spring]),
         "eps": str(eps),
         "bits": BITS,
         "half_length": HALF_LENGTH,
@@ -66,7 +68,7 @@ def _certificate(spring: Spring, soliton: Soliton, eps: fmpq) -> dict[str, Any]:
     }
     data["pieces"] = Corrections(soliton).pieces(eps * eps)
     claim = LineTieClaim(Record(data, "certificate"))
-    data["claims"] = {name: interval(v) for name, v in claim.numbers(claim.read()).items()}
+    data["claims"] = intervals(claim.numbers(claim.read()))
     return data
 
 
@@ -83,20 +85,8 @@ class Corrections:
         line_tie_contraction(self.at(arb(square)))  # refuses a large eps at once
         count = min(max(LEAST_PIECES, math.ceil(float(square / PIECE))), FIRST_PIECES)
         ends = [square * i / count for i in range(count + 1)]
-        remaining = [*pairwise(ends)][::-1]
-        least = square / (count << HALVINGS)
         self._piece(square * (1 - fmpq(1, count << HALVINGS)), square)  # the hardest piece
-        pieces: list[dict[str, Any]] = []
-        while remaining:
-            first, last = remaining.pop()
-            try:
-                pieces.append(self._piece(first, last))
-            except CertificateError:
-                if last - first <= least:
-                    raise
-                middle = (first + last) / 2
-                remaining += [(middle, last), (first, middle)]
-        return pieces
+        return proved_pieces(ends, self._piece, HALVINGS)
 
     def _piece(self, first: fmpq, last: fmpq) -> dict[str, Any]:
         self.solve(arb((first + last) / 2))

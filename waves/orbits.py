@@ -12,7 +12,12 @@ import numpy as np
 from flint import acb, arb, arb_mat, ctx, fmpq
 from numpy.typing import NDArray
 
-from longwave.waves.certificates import contracting_radius, decimal_text, interval
+from longwave.waves.certificates import (
+    contracting_radius,
+    decimal_text,
+    intervals,
+    lattice_record,
+)
 from longwave.waves.kernel.force_text import Force
 from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.orbit import energy_at_start
@@ -194,13 +199,10 @@ def orbit_certificate(
     Its modes have an error of at most ``error``. The multipliers are left out where they are not
     proved. Raises CertificateError with the inequality that failed.
     """
-    before, ctx.prec = ctx.prec, BITS
-    try:
+    with ctx.workprec(BITS):
         system = _Galerkin(springs, sites, FIRST_TOP)
         modes, square = _continued_in_energy(system, mode, float(energy))
         return _certificate(_Target("orbit", energy), system, modes, square, error)
-    finally:
-        ctx.prec = before
 
 
 def breather_certificate(
@@ -212,14 +214,11 @@ def breather_certificate(
     CertificateError with the inequality that failed.
     """
     _refuse_resonance(springs, float(frequency))
-    before, ctx.prec = ctx.prec, BITS
-    try:
+    with ctx.workprec(BITS):
         square = float(frequency) ** 2
         system = _Galerkin(springs, 2 * FIRST_SITES + 1, FIRST_TOP)
         modes = _continued_in_coupling(system, square)
         return _certificate(_Target("breather", frequency), system, modes, square, error)
-    finally:
-        ctx.prec = before
 
 
 def _refuse_resonance(springs: tuple[Spring, ...], frequency: float) -> None:
@@ -390,12 +389,11 @@ def _padded(system: _Galerkin, larger: _Galerkin, modes: Vector) -> Vector:
 
 def _prove(target: _Target, system: _Galerkin, modes: Vector, square: float) -> dict[str, Any]:
     """Refine an approximation, find a radius that contracts, and return the certificate."""
-    springs = [{"neighbour": s.neighbour, "force": s.force.text} for s in system.springs]
     data: dict[str, Any] = {
         "kind": target.kind,
         "version": 1,
         "bits": BITS,
-        "lattice": {"springs": springs},
+        "lattice": lattice_record(system.springs),
         **target.statement,
         "nu": "1",
         "weight": "1",
@@ -429,7 +427,7 @@ def _with_claims(data: dict[str, Any], claim: OrbitClaim | BreatherClaim) -> dic
             pass
         else:
             data = more
-    return {**data, "claims": {name: interval(value) for name, value in numbers.items()}}
+    return {**data, "claims": intervals(numbers)}
 
 
 def _contracted(

@@ -11,7 +11,7 @@ import numpy as np
 from flint import acb, arb, arb_mat, ctx, fmpq
 from numpy.typing import NDArray
 
-from longwave.waves.certificates import contracting_radius, decimal_text, interval
+from longwave.waves.certificates import completed, decimal_text, lattice_record
 from longwave.waves.kernel.elliptic_pins import NearWave
 from longwave.waves.kernel.limits import CertificateError, decimal
 from longwave.waves.kernel.periodic import PeriodicCentre, Spring, contraction
@@ -65,8 +65,7 @@ class PeriodicProblem:
         cls, springs: tuple[Spring, ...], form: str, k: fmpq, period: fmpq
     ) -> PeriodicProblem:
         """Return the problem of a period, with the elliptic wave's mean and first mode, rounded."""
-        before, ctx.prec = ctx.prec, BITS
-        try:
+        with ctx.workprec(BITS):
             unit = NearWave(form, k, fmpq(1), springs[0].force)
             size = (unit.period / period) ** unit.form.order
             mean, first_mode = (
@@ -74,8 +73,6 @@ class PeriodicProblem:
                 for j in (0, 1)
             )
             return cls.of(springs, period, mean, first_mode)
-        finally:
-            ctx.prec = before
 
 
 @dataclass(frozen=True)
@@ -132,11 +129,8 @@ def periodic_certificate(problem: PeriodicProblem, error: float) -> dict[str, An
     Raises CertificateError with the inequality that failed, and ValueError if no approximation
     was found.
     """
-    before, ctx.prec = ctx.prec, BITS
-    try:
+    with ctx.workprec(BITS):
         return _certificate(problem, error)
-    finally:
-        ctx.prec = before
 
 
 def _certificate(problem: PeriodicProblem, error: float) -> dict[str, Any]:
@@ -224,9 +218,7 @@ def _prove(
     data = {
         "kind": "periodic",
         "version": 1,
-        "lattice": {
-            "springs": [{"neighbour": s.neighbour, "force": s.force.text} for s in problem.springs]
-        },
+        "lattice": lattice_record(problem.springs),
         **problem.statement,
         "bits": BITS,
         "nu": "1",
@@ -238,11 +230,8 @@ def _prove(
         **({"strip": dict(strip)} if strip else {}),
     }
     data = _refined(data)
-    centre = PeriodicClaim(Record(data, "certificate")).centre
-    data["radius"] = contracting_radius(contraction(centre))
     claim = PeriodicClaim(Record(data, "certificate"))
-    data["claims"] = {name: interval(value) for name, value in claim.prove().items()}
-    return data
+    return completed(data, claim, contraction(claim.centre))
 
 
 def _refined(data: dict[str, Any]) -> dict[str, Any]:

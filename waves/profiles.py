@@ -27,8 +27,7 @@ def strain(certificate: Mapping[str, Any], x: Vector) -> Vector:
 
 def _series(certificate: Mapping[str, Any]) -> tuple[Vector, float, bool]:
     """Return the cosine modes, the period of the series, and whether the wave is solitary."""
-    before, ctx.prec = ctx.prec, int(certificate["bits"])
-    try:
+    with ctx.workprec(int(certificate["bits"])):
         record = Record(dict(certificate), "certificate")
         if record.text("kind") == "solitary":
             centre = SolitaryClaim(record).centre
@@ -36,5 +35,3 @@ def _series(certificate: Mapping[str, Any]) -> tuple[Vector, float, bool]:
             return modes, 2 * float(centre.half_length), True
         wave = PeriodicClaim(record).centre
         return np.array([float(c) for c in wave.modes]), float(wave.period), False
-    finally:
-        ctx.prec = before

@@ -89,8 +89,7 @@ def ring_stability(certificate: Mapping[str, Any], wavelengths: int) -> RingStab
     """
     if not 1 <= wavelengths <= MAX_WAVELENGTHS:
         raise ValueError(f"wavelengths must be 1 to {MAX_WAVELENGTHS}, got {wavelengths}")
-    before, ctx.prec = ctx.prec, int(certificate["bits"])
-    try:
+    with ctx.workprec(int(certificate["bits"])):
         wave = PeriodicClaim(Record(dict(certificate), "certificate"))
         if wave.cells is None or wave.cells.q != 1:
             raise ValueError(
@@ -108,8 +107,6 @@ def ring_stability(certificate: Mapping[str, Any], wavelengths: int) -> RingStab
             return _stable(known, certificate, wave.stiffness, blochs, spectra)
         except CertificateError as reason:
             return replace(known, reason=str(reason))
-    finally:
-        ctx.prec = before
 
 
 Spectrum = list[tuple[complex, Components]]

@@ -7,7 +7,13 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx, fmpq
 
-from longwave.waves.certificates import contracting_radius, decimal_text, interval
+from longwave.waves.certificates import (
+    contracting_radius,
+    decimal_text,
+    intervals,
+    lattice_record,
+    proved_pieces,
+)
 from longwave.waves.kernel.cosine_series import entry
 from longwave.waves.kernel.elliptic_pins import NearWave
 from longwave.waves.kernel.limits import CertificateError
@@ -20,7 +26,9 @@ BITS = 96
 WEIGHTS = tuple(fmpq(1, n) for n in (300, 150, 75, 40, 20, 10, 5, 2, 1))
 """Weights of the speed sigma in the norm that are tried; the least bound decides."""
 
-FIRST_PIECES, MOST_PIECES = 48, 4096
+FIRST_PIECES, HALVINGS = 48, 7
+"""Number of pieces of eps^2 at first, and how often one is halved."""
+
 LEAST_TOP, MOST_TOP = 8, 96
 MODE_CUT = 1e-11
 """Size of the modes of Y from which on they are bounded as a tail."""
@@ -31,11 +39,8 @@ def tie_certificate(spring: Spring, form: str, k: fmpq, eps: fmpq) -> dict[str, 
 
     Raises CertificateError with the inequality that failed.
     """
-    before, ctx.prec = ctx.prec, BITS
-    try:
+    with ctx.workprec(BITS):
         return _certificate(spring, form, k, eps)
-    finally:
-        ctx.prec = before
 
 
 def _certificate(spring: Spring, form: str, k: fmpq, eps: fmpq) -> dict[str, Any]:
@@ -49,15 +54,17 @@ def _certificate(spring: Spring, form: str, k: fmpq, eps: fmpq) -> dict[str, Any
     data: dict[str, Any] = {
         "kind": "tie",
         "version": 1,
-        "lattice": {"springs": [{"neighbour": 1, "force": spring.force.text}]},
+        "lattice": lattice_record([spring]),
         "near": {"form": form, "k": str(k)},
         "eps": str(eps),
         "bits": BITS,
         "weight": str(weight),
     }
-    data["pieces"] = _pieces(wave, arb(weight), top, eps * eps)
-    proved = TieClaim(Record(data, "certificate")).prove()
-    data["claims"] = {name: interval(value) for name, value in proved.items()}
+    ends = [eps * eps * i / FIRST_PIECES for i in range(FIRST_PIECES + 1)]
+    data["pieces"] = proved_pieces(
+        ends, lambda first, last: _piece(wave, arb(weight), top, first, last), HALVINGS
+    )
+    data["claims"] = intervals(TieClaim(Record(data, "certificate")).prove())
     return data
 
 
@@ -75,25 +82,6 @@ def _best_weight(wave: NearWave, top: int, square: fmpq) -> fmpq:
     if not bounds:
         raise failure
     return bounds[min(bounds)]
-
-
-def _pieces(wave: NearWave, weight: arb, top: int, square: fmpq) -> list[dict[str, Any]]:
-    """Return pieces that cover eps^2 = 0 ... ``square``; a piece whose proof fails is halved."""
-    remaining = [
-        (square * i / FIRST_PIECES, square * (i + 1) / FIRST_PIECES)
-        for i in reversed(range(FIRST_PIECES))
-    ]
-    pieces: list[dict[str, Any]] = []
-    while remaining:
-        first, last = remaining.pop()
-        try:
-            pieces.append(_piece(wave, weight, top, first, last))
-        except CertificateError:
-            if len(pieces) + len(remaining) >= MOST_PIECES or last - first < square / MOST_PIECES:
-                raise
-            middle = (first + last) / 2
-            remaining += [(middle, last), (first, middle)]
-    return pieces
 
 
 def _piece(wave: NearWave, weight: arb, top: int, first: fmpq, last: fmpq) -> dict[str, Any]:

@@ -13,10 +13,10 @@ from flint import acb, arb, ctx, fmpq
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from longwave.waves.certificates import contracting_radius, decimal_text, interval
+from longwave.waves.certificates import completed, decimal_text, lattice_record
 from longwave.waves.kernel.cosine_series import Series, entry, product
 from longwave.waves.kernel.force_text import Force
-from longwave.waves.kernel.limits import CertificateError, decimal
+from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.periodic import Spring
 from longwave.waves.kernel.reading import Record
 from longwave.waves.kernel.solitary import SolitaryCentre, nonlinear_springs
@@ -219,11 +219,8 @@ def solitary_certificate(springs: Sequence[Spring], speed: fmpq, error: float) -
 
     Raises CertificateError with the inequality that failed, and Refused for a resonant speed.
     """
-    before, ctx.prec = ctx.prec, BITS
-    try:
+    with ctx.workprec(BITS):
         return _certificate(_Chain(tuple(springs)), speed, error)
-    finally:
-        ctx.prec = before
 
 
 def _certificate(chain: _Chain, speed: fmpq, error: float) -> dict[str, Any]:
@@ -269,7 +266,8 @@ def _proved(wave: _Approximation, speed: fmpq, error: float) -> dict[str, Any]:
                 "block": math.ceil(share * len(wave.modes)),
             }
             try:
-                data = _completed({**draft, **sizes})
+                claim = SolitaryClaim(Record({**draft, **sizes}, "certificate"))
+                data = completed({**draft, **sizes}, claim, claim.bounds)
             except CertificateError as reason:
                 failure = reason
                 continue
@@ -286,9 +284,7 @@ def _draft(wave: _Approximation, speed: fmpq, strip: Mapping[str, Any] | None) -
     data: dict[str, Any] = {
         "kind": "solitary",
         "version": 1,
-        "lattice": {
-            "springs": [{"neighbour": s.neighbour, "force": s.force.text} for s in springs]
-        },
+        "lattice": lattice_record(springs),
         "speed": str(speed),
         "bits": BITS,
         "half_length": f"{wave.half_length:.6f}",
@@ -302,15 +298,6 @@ def _draft(wave: _Approximation, speed: fmpq, strip: Mapping[str, Any] | None) -
     modes, slope_modes = _refined(_start(wave, SolitaryClaim(Record(data, "certificate")).centre))
     data["modes"] = [decimal_text(c) for c in modes]
     data["slope_modes"] = [decimal_text(c) for c in slope_modes]
-    return data
-
-
-def _completed(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the certificate with a radius that contracts, and the claims."""
-    claim = SolitaryClaim(Record(data, "certificate"))
-    data["radius"] = contracting_radius(claim.bounds)
-    claim.radius = arb(decimal(data["radius"]))
-    data["claims"] = {name: interval(value) for name, value in claim.prove().items()}
     return data
 
 

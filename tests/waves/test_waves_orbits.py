@@ -218,8 +218,7 @@ def test_the_continuation_stays_on_its_branch() -> None:
 @pytest.mark.parametrize("cut", [1e-6, 5.0])
 def test_the_bounds_hold_on_a_larger_space(cut: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Catches rows, columns or modes of the stiffness that the bound of I - A DF leaves out."""
-    before, ctx.prec = ctx.prec, 128
-    try:
+    with ctx.workprec(128):
         finite = exact_orbit(ALPHA, sites=3, energy="1/5").certificate
         centre = OrbitClaim(Record(dict(finite), "certificate")).centre
         for weight in ("1", "1e-9"):
@@ -229,8 +228,6 @@ def test_the_bounds_hold_on_a_larger_space(cut: float, monkeypatch: pytest.Monke
         centre = replace(centre, modes=[m[:14] for m in centre.modes[15:-15]], margin=1)
         for top in (3, 9):
             _compare(replace(centre, block_top=top), cut, monkeypatch)
-    finally:
-        ctx.prec = before
 
 
 def _compare(centre: kernel.OrbitCentre, cut: float, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -317,8 +314,7 @@ def test_the_errors_of_the_multipliers(
     q_breather: ExactOrbit, top: int, steps: int, order: int
 ) -> None:
     """Catches errors of the Taylor series, or of a coarse orbit, that are left out."""
-    before, ctx.prec = ctx.prec, 128
-    try:
+    with ctx.workprec(128):
         fine = OrbitClaim(Record(dict(q_breather.certificate), "certificate")).centre
         missing = sum((2 * abs(c) * fine.nu**k for modes in fine.modes
                        for k, c in enumerate(modes) if k >= top), arb(0))  # fmt: skip
@@ -330,15 +326,12 @@ def test_the_errors_of_the_multipliers(
             assert pair.value.real.contains(low)
             assert pair.value.real.contains(high)
             assert high - low < pair.value.real.rad() < 1e-3
-    finally:
-        ctx.prec = before
 
 
 @pytest.mark.parametrize("weight", [1, 10_000])
 def test_the_bound_of_the_second_derivative(weight: int) -> None:
     """Catches a factor: each site feels 4 times the slope 2/5 of V", and the energy both V"."""
-    before, ctx.prec = ctx.prec, 128
-    try:
+    with ctx.workprec(128):
         certificate = dict(exact_orbit(ALPHA, sites=3, energy="1/5").certificate)
         centre = OrbitClaim(Record(certificate, "certificate")).centre
         centre = replace(centre, weight=arb(weight), radius_bound=arb("0.01"))
@@ -349,8 +342,6 @@ def test_the_bound_of_the_second_derivative(weight: int) -> None:
         rest = max(1.6 * float(block.size), float(block.size_of_squares) / weight)
         assert float(bounds.z2) == pytest.approx(rest + energy, rel=1e-9)
         assert (rest > 1.6 * float(block.size)) == (weight == 1)
-    finally:
-        ctx.prec = before
 
 
 def changed(certificate: Any, **changes: Any) -> dict[str, Any]:

@@ -113,13 +113,10 @@ def test_newtons_law_holds(forces: tuple[str, ...], speed: str, laws: tuple[Law,
 
 def _profile(wave: ExactWave) -> tuple[Law, Law]:
     """Return the strain of the certificate's series and its second derivative."""
-    before, ctx.prec = ctx.prec, 160
-    try:
+    with ctx.workprec(160):
         centre = SolitaryClaim(Record(dict(wave.certificate), "certificate")).centre
         modes = [mpmath.mpf(c.mid().str(40, radius=False)) for c in centre.strain]
         length = mpmath.mpf(centre.half_length.mid().str(40, radius=False))
-    finally:
-        ctx.prec = before
 
     def series(x: Any, order: int) -> Any:
         k = [mpmath.pi * n / length for n in range(len(modes))]

@@ -50,14 +50,12 @@ def check_certificate(data: object) -> str:
         raise CertificateError(f"kind must be one of {', '.join(CLAIMS)}, got {kind[:40]!r}")
     if record.integer("version", 1, VERSION) != VERSION:
         raise CertificateError(f"version must be {VERSION}")
-    before = ctx.prec
-    ctx.prec = record.integer("bits", MIN_BITS, MAX_BITS)
+    bits = record.integer("bits", MIN_BITS, MAX_BITS)
     try:
-        claim = CLAIMS[kind](record)
-        lines = check_claims(record.record("claims"), claim.prove())
-        record.close()
-        return "\n".join([claim.statement, *lines])
+        with ctx.workprec(bits):
+            claim = CLAIMS[kind](record)
+            lines = check_claims(record.record("claims"), claim.prove())
+            record.close()
+            return "\n".join([claim.statement, *lines])
     except (ValueError, ZeroDivisionError, OverflowError, RecursionError) as error:
         raise CertificateError(str(error) or type(error).__name__) from error
-    finally:
-        ctx.prec = before

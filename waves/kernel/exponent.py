@@ -123,13 +123,11 @@ def _jacobian(centre: ExponentCentre) -> acb_mat:
 
 
 def _inverse(matrix: acb_mat) -> acb_mat:
-    precision, ctx.prec = ctx.prec, 64
     try:
-        return matrix.mid().inv().mid()
+        with ctx.workprec(64):
+            return matrix.mid().inv().mid()
     except ZeroDivisionError:
         raise CertificateError("the exponent is not simple here") from None
-    finally:
-        ctx.prec = precision
 
 
 def _identity(size: int) -> acb_mat:

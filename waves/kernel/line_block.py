@@ -71,11 +71,8 @@ def line_block(
     outside = [(m, n) for m in unknowns for n in range(count, count + width)]
     unit = identity(len(inside))
     block = unit - _coupling(slopes, kernels, inside, inside)
-    precision, ctx.prec = ctx.prec, BLOCK_BITS
-    try:
+    with ctx.workprec(BLOCK_BITS):
         inverse = approximate_inverse(block)
-    finally:
-        ctx.prec = precision
     sizes = largest(norm(slope, arb(1)) for slope in slopes)
     norms = [_spectral_norm(unit - inverse * block), sizes * tail]
     if outside:
