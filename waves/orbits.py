@@ -18,6 +18,7 @@ from longwave.waves.certificates import (
     intervals,
     lattice_record,
 )
+from longwave.waves.continuation import continued
 from longwave.waves.kernel.force_text import Force
 from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.orbit import energy_at_start
@@ -241,6 +242,9 @@ MOST_UNKNOWNS = 1400
 LARGEST_CHANGE = 0.2
 """Largest relative change of the first harmonic in a step of the continuation in energy."""
 
+LEAST_STEP = 1 / 512
+"""Least step of a continuation in the amplitude or the coupling, over its range."""
+
 FIRST_ENERGY = 1 / 64
 """Fraction of the energy at which the continuation of a linear mode begins."""
 
@@ -253,20 +257,14 @@ def _continued_in_energy(system: _Galerkin, mode: int, energy: float) -> tuple[V
         raise CertificateError("the linear mode does not oscillate")
     modes = np.zeros((system.sites, len(system.harmonics)))
     place = int(np.nonzero(system.harmonics == 1)[0][0])
-    reached, step = 0.0, math.sqrt(FIRST_ENERGY)
+    step = math.sqrt(FIRST_ENERGY)
     modes[:, place] = shape * step * math.sqrt(2 * energy / square) / 2
-    while reached < 1:
-        aim = min(reached + step, 1.0)
-        guess = modes * (aim / reached) if reached else modes * (aim / math.sqrt(FIRST_ENERGY))
-        try:
-            modes, square = _near_guess(system, guess, square, aim * aim * energy)
-        except CertificateError:
-            step /= 2
-            if step < 1 / 512:
-                raise
-        else:
-            reached, step = aim, 1.5 * step
-    return modes, square
+
+    def solve(state: tuple[Vector, float], before: float, aim: float) -> tuple[Vector, float]:
+        guess = state[0] * (aim / (before or step))
+        return _near_guess(system, guess, state[1], aim * aim * energy)
+
+    return continued((modes, square), solve, start=0.0, end=1.0, step=step, least=LEAST_STEP)
 
 
 def _near_guess(
@@ -286,18 +284,11 @@ def _continued_in_coupling(system: _Galerkin, square: float) -> Vector:
     middle = system.sites // 2
     modes = np.zeros((system.sites, len(system.harmonics)))
     modes[middle] = _oscillation(system, square)[0]
-    reached, step = 0.0, 0.25
-    while reached < 1:
-        aim = min(reached + step, 1.0)
-        try:
-            modes, _ = replace(system, coupling=aim).solve(modes, square)
-        except CertificateError:
-            step /= 2
-            if step < 1 / 512:
-                raise
-        else:
-            reached, step = aim, 1.5 * step
-    return modes
+
+    def solve(modes: Vector, _: float, aim: float) -> Vector:
+        return replace(system, coupling=aim).solve(modes, square)[0]
+
+    return continued(modes, solve, start=0.0, end=1.0, step=0.25, least=LEAST_STEP)
 
 
 def _oscillation(system: _Galerkin, square: float) -> Vector:

@@ -12,6 +12,7 @@ from flint import acb, arb, arb_mat, ctx, fmpq
 from numpy.typing import NDArray
 
 from longwave.waves.certificates import completed, decimal_text, lattice_record
+from longwave.waves.continuation import continued
 from longwave.waves.kernel.elliptic_pins import NearWave
 from longwave.waves.kernel.limits import CertificateError, decimal
 from longwave.waves.kernel.periodic import PeriodicCentre, Spring, contraction
@@ -159,23 +160,18 @@ def _start(problem: PeriodicProblem, top: int) -> tuple[Vector, float]:
     if problem.near:
         modes = np.array([float(problem.near.mode(j)) for j in range(top + 1)])
         return _Galerkin(problem, top).solve(modes, float(_sound(problem)))
-    target, reached, step = float(problem.first_mode), 0.0, 1.0
-    modes, speed_squared = np.zeros(top + 1), float(_sound(problem))
+    target = float(problem.first_mode)
+    modes = np.zeros(top + 1)
     modes[0] = float(problem.mean)
-    while reached < 1:
-        trial = modes.copy()
-        trial[1:] *= (reached + step) / reached if reached else 1
-        trial[1] = target * (reached + step)
-        try:
-            modes, speed_squared = _Galerkin(problem, top).solve(trial, speed_squared)
-        except CertificateError:
-            step /= 2
-            if step < 1 / 256:
-                raise
-        else:
-            reached += step
-            step = min(2 * step, 1 - reached)
-    return modes, speed_squared
+
+    def solve(state: tuple[Vector, float], before: float, share: float) -> tuple[Vector, float]:
+        trial = state[0].copy()
+        trial[1:] *= share / before if before else 1
+        trial[1] = target * share
+        return _Galerkin(problem, top).solve(trial, state[1])
+
+    start = modes, float(_sound(problem))
+    return continued(start, solve, start=0.0, end=1.0, step=1.0, least=1 / 256, growth=2)
 
 
 def _sound(problem: PeriodicProblem) -> arb:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from longwave.waves.certificates import completed, decimal_text, lattice_record
+from longwave.waves.continuation import continued
 from longwave.waves.kernel.cosine_series import Series, entry, product
 from longwave.waves.kernel.force_text import Force
 from longwave.waves.kernel.limits import CertificateError
@@ -200,17 +201,11 @@ def _approximate(chain: _Chain, speed: float, count: int) -> _Approximation:
     excess = speed / sound - 1
     trial = min(excess, SMALL_EXCESS)
     wave = _small_wave(chain, sound * (1 + trial), count).solved()
-    step = trial
-    while trial < excess:
-        forward = min(trial + step, excess)
-        try:
-            wave = wave.at_speed(sound * (1 + forward)).solved()
-        except CertificateError:
-            step /= 2
-            if step < excess / 500:
-                raise
-        else:
-            trial, step = forward, 1.5 * step
+
+    def solve(wave: _Approximation, _: float, excess: float) -> _Approximation:
+        return wave.at_speed(sound * (1 + excess)).solved()
+
+    wave = continued(wave, solve, start=trial, end=excess, step=trial, least=excess / 500)
     return replace(wave, speed=speed)
 
 
