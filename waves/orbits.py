@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from flint import acb, arb, arb_mat, ctx, fmpq
+from flint import arb, arb_mat, ctx, fmpq
 from numpy.typing import NDArray
 
 from longwave.waves.certificates import (
@@ -19,6 +19,7 @@ from longwave.waves.certificates import (
     lattice_record,
 )
 from longwave.waves.continuation import continued
+from longwave.waves.force_values import taylor_coefficients
 from longwave.waves.kernel.force_text import Force
 from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.orbit import energy_at_start
@@ -115,9 +116,9 @@ class _Galerkin:
         nodes, weights = np.polynomial.legendre.leggauss(24)
         total, pulls = 0.0, np.zeros(len(starts))
         for i, ((force, factor), start) in enumerate(zip(forces, starts, strict=True)):
-            values, _ = _values(force, start * (nodes + 1) / 2)
+            (values,) = taylor_coefficients(force, start * (nodes + 1) / 2, 1)
             total += factor * float(weights @ values) * start / 2
-            pulls[i] = factor * _values(force, np.array([start]))[0][0]
+            pulls[i] = factor * taylor_coefficients(force, np.array([start]), 1)[0, 0]
         return total, stretches.T @ pulls
 
     def solve(
@@ -170,7 +171,7 @@ class _Galerkin:
         pulls = np.zeros_like(modes)
         slopes = np.zeros((count, width, count, width))
         for (force, factor), row, values in zip(forces, stretches, points, strict=True):
-            force_values, force_slopes = _values(force, values)
+            force_values, force_slopes = taylor_coefficients(force, values, 2)
             ends = np.nonzero(row)[0]
             pulls[ends] += np.outer(row[ends], factor * (analysis @ force_values))
             matrix = factor * (analysis @ (force_slopes[:, None] * synthesis))
@@ -180,16 +181,6 @@ class _Galerkin:
         squares = square * self.harmonics.astype(float) ** 2
         jacobian = np.diag(np.tile(squares, count)) - slopes.reshape(modes.size, modes.size)
         return (squares * modes - pulls).ravel(), jacobian
-
-
-def _values(force: Force, points: Vector) -> tuple[Vector, Vector]:
-    """Return a force and its slope at points."""
-    if force.polynomial is not None:
-        polynomial = np.polynomial.Polynomial([float(arb(c)) for c in force.polynomial] or [0.0])
-        return polynomial(points), polynomial.deriv()(points)
-    jets = [force.taylor(acb(float(point)), 2) for point in points]
-    values, slopes = (np.array([float(jet[i].real) for jet in jets]) for i in (0, 1))
-    return values, slopes
 
 
 def orbit_certificate(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from longwave.waves.certificates import completed, decimal_text, lattice_record
 from longwave.waves.continuation import continued
+from longwave.waves.force_values import taylor_coefficients
 from longwave.waves.kernel.elliptic_pins import NearWave
 from longwave.waves.kernel.limits import CertificateError, decimal
 from longwave.waves.kernel.periodic import PeriodicCentre, Spring, contraction
@@ -116,8 +117,7 @@ class _Galerkin:
             m = spring.neighbour
             factor = sum(np.cos(half * (2 * i + 1 - m)) for i in range(m))
             synthesis = cosines * np.where(order, 2, 1) * factor
-            jets = [spring.force.taylor(acb(float(r)), 2) for r in synthesis @ modes]
-            values, rates = (np.array([float(jet[i].real) for jet in jets]) for i in (0, 1))
+            values, rates = taylor_coefficients(spring.force, synthesis @ modes, 2)
             analysis = (cosines * mobility * factor / count)[:, 1:].T
             total += analysis @ values
             slopes += analysis @ (rates[:, None] * synthesis[:, 1:])

@@ -9,14 +9,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from flint import acb, arb, ctx, fmpq
+from flint import arb, ctx, fmpq
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from longwave.waves.certificates import completed, decimal_text, lattice_record
 from longwave.waves.continuation import continued
+from longwave.waves.force_values import taylor_coefficients
 from longwave.waves.kernel.cosine_series import Series, entry, product
-from longwave.waves.kernel.force_text import Force
 from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.periodic import Spring
 from longwave.waves.kernel.reading import Record
@@ -57,7 +57,10 @@ class _Chain:
 
     def jets(self, terms: int) -> list[tuple[int, Vector]]:
         """Return each neighbour m with the first Taylor coefficients of its force at rest."""
-        return [(s.neighbour, _jets(s.force, np.zeros(1), terms)[:, 0]) for s in self.springs]
+        return [
+            (s.neighbour, taylor_coefficients(s.force, np.zeros(1), terms)[:, 0])
+            for s in self.springs
+        ]
 
     @property
     def sound_squared(self) -> float:
@@ -128,8 +131,8 @@ class _Approximation:
             synthesis = cosines * np.where(order, 2, 1) * box
             analysis = cosines.T * (box / pull / points)[:, None]
             strain = synthesis @ self.modes
-            values, slopes = _jets(spring.force, strain, 2)
-            rest = _jets(spring.force, np.zeros(1), 2)[:, 0]
+            values, slopes = taylor_coefficients(spring.force, strain, 2)
+            rest = taylor_coefficients(spring.force, np.zeros(1), 2)[:, 0]
             residual -= analysis @ (values - rest[0] - rest[1] * strain)
             jacobian -= analysis @ ((slopes - rest[1])[:, None] * synthesis)
         try:
@@ -162,15 +165,6 @@ class _Approximation:
 
 def _box(m: int, k: Any) -> Any:
     return m * np.sinc(m * k / (2 * np.pi))
-
-
-def _jets(force: Force, r: Vector, terms: int) -> Vector:
-    """Return Taylor coefficients of a force at the strains ``r``; shape (terms, len(r))."""
-    if force.polynomial is not None:
-        law = np.polynomial.Polynomial([float(arb(c)) for c in force.polynomial] or [0.0])
-        return np.array([law.deriv(i)(r) / math.factorial(i) for i in range(terms)])
-    jets = [force.taylor(acb(float(x)), terms) for x in r]
-    return np.array([[float(c.real) for c in jet] for jet in jets]).T
 
 
 def _small_wave(chain: _Chain, speed: float, count: int) -> _Approximation:
