@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.lattice import Lattice
 from longwave.waves.certificates import interval
+from longwave.waves.kernel.cosine_series import value_at_zero
 from longwave.waves.kernel.orbit import OrbitCentre
 from longwave.waves.kernel.orbit_claim import BreatherClaim, OrbitClaim
 from longwave.waves.kernel.reading import Record, ends_of
@@ -85,7 +86,7 @@ class ExactOrbit(Proved):
         """Displacement of each site at t = 0; of a breather, of the sites about the middle."""
         error = arb(0, arb(str(self.certificate["radius"])).upper())
         with ctx.workprec(int(self.certificate["bits"])):
-            sums = [modes[0] + 2 * sum(modes[1:], arb(0)) + error for modes in self._centre.modes]
+            sums = [value_at_zero(modes) + error for modes in self._centre.modes]
             return tuple(Interval(*interval(ends_of(total))) for total in sums)
 
     def at(self, t: ArrayLike) -> NDArray[np.float64]:

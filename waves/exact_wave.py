@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from longwave.derive.algebra.exact_numbers import Number
 from longwave.derive.lattice import Lattice
+from longwave.waves.kernel.chain_reading import nearest_force
 from longwave.waves.kernel.elliptic_pins import FORMS, NearWave
 from longwave.waves.kernel.limits import CertificateError
 from longwave.waves.kernel.line_tie import Soliton
@@ -165,7 +166,7 @@ def exact_wave(
     exact = {"k": k, "eps": eps, "mean": mean, "first_mode": first_mode}
     exact |= {"period": period, "speed": speed}
     numbers = {name: rational(name, value) for name, value in exact.items()}
-    return _verdict(lambda: _certificate(lattice, near, numbers, error))
+    return proved(lambda: _certificate(lattice, near, numbers, error), ExactWave)
 
 
 def waves_of_all_eps(lattice: Lattice, *, near: str, k: Number = 0, eps: Number) -> ExactWave:
@@ -199,7 +200,7 @@ def waves_of_all_eps(lattice: Lattice, *, near: str, k: Number = 0, eps: Number)
         _check_near(springs, near, exact["k"], exact["eps"])
         return tie_certificate(springs[0], near, exact["k"], exact["eps"])
 
-    return _verdict(certificate)
+    return proved(certificate, ExactWave)
 
 
 def _soliton_certificate(lattice: Lattice, near: str, k: fmpq, eps: fmpq) -> dict[str, Any]:
@@ -208,10 +209,8 @@ def _soliton_certificate(lattice: Lattice, near: str, k: fmpq, eps: fmpq) -> dic
     if not eps > 0:
         raise ValueError(f"eps must be > 0, got {eps}")
     springs = chain_springs(lattice)
-    if [spring.neighbour for spring in springs] != [1]:
-        raise Refused("a wave near a soliton is proved for nearest neighbours only")
     try:
-        power = Soliton.of(springs[0].force).power
+        power = Soliton.of(nearest_force(springs, "a wave near a soliton")).power
     except CertificateError as reason:
         raise Refused(str(reason)) from reason
     if power not in SOLITONS[near]:
@@ -220,11 +219,6 @@ def _soliton_certificate(lattice: Lattice, near: str, k: fmpq, eps: fmpq) -> dic
             f"got {near!r}"
         )
     return line_tie_certificate(springs[0], eps)
-
-
-def _verdict(find: Callable[[], dict[str, Any]]) -> ExactWave:
-    """Check the certificate that ``find`` returns, and return the wave with the verdict."""
-    return proved(find, ExactWave)
 
 
 def _certificate(
@@ -262,8 +256,10 @@ def _nearest_neighbours(lattice: Lattice, near: str) -> tuple[Spring, ...]:
     if near not in FORMS:
         raise ValueError(f"near must be one of {', '.join(FORMS)}, got {near!r}")
     springs = chain_springs(lattice)
-    if [spring.neighbour for spring in springs] != [1]:
-        raise Refused("a wave near an elliptic one is proved for nearest neighbours only")
+    try:
+        nearest_force(springs, "a wave near an elliptic one")
+    except CertificateError as reason:
+        raise Refused(str(reason)) from reason
     return springs
 
 

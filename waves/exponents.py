@@ -26,22 +26,21 @@ RADIUS_BOUND = "1e-6"
 
 
 def approximate_exponents(
-    certificate: Mapping[str, Any], bloch: fmpq, top: int
+    stiffness: Stiffness, bloch: fmpq, top: int
 ) -> tuple[Components, NDArray[np.complex128]]:
     """Return the Floquet exponents at wavenumber 2 pi ``bloch``/period, and vectors as columns.
 
-    The vectors are cut to the components -``top`` ... ``top``; exponents with a large imaginary
-    part are therefore wrong.
+    ``stiffness`` is that of a wave (`wave_stiffness`). The vectors are cut to the components
+    -``top`` ... ``top``; exponents with a large imaginary part are therefore wrong.
     """
-    wave = _wave(certificate)
-    modes = np.array([float(c) for c in wave.stiffness.modes])
+    modes = np.array([float(c) for c in stiffness.modes])
     modes = np.pad(modes, (0, max(0, 2 * top + 1 - len(modes))))
     order = np.arange(-top, top + 1)
-    wavenumbers = 2 * np.pi * (float(bloch) + order) / float(wave.period)
-    drift = np.diag(1j * float(wave.stiffness.speed) * wavenumbers)
-    stiffness = 4 * np.sin(wavenumbers / 2)[:, None] ** 2 * modes[np.abs(order[:, None] - order)]
+    wavenumbers = 2 * np.pi * (float(bloch) + order) / float(stiffness.period)
+    drift = np.diag(1j * float(stiffness.speed) * wavenumbers)
+    matrix = 4 * np.sin(wavenumbers / 2)[:, None] ** 2 * modes[np.abs(order[:, None] - order)]
     identity = np.eye(2 * top + 1)
-    values, vectors = np.linalg.eig(np.block([[drift, identity], [-stiffness, drift]]))
+    values, vectors = np.linalg.eig(np.block([[drift, identity], [-matrix, drift]]))
     return values, vectors[: 2 * top + 1]
 
 
@@ -64,17 +63,19 @@ def most_unstable(certificate: Mapping[str, Any], bloch: fmpq) -> dict[str, Any]
     A wave number kappa and kappa + 2 pi are the same on the lattice; the vector's largest component
     is in the first Brillouin zone.
     """
-    period = float(_wave(certificate).period)
+    stiffness = wave_stiffness(certificate)
+    period = float(stiffness.period)
     top = max(LEAST_COMPONENTS, math.ceil(COMPONENTS_PER_CELL * period))
-    values, vectors = approximate_exponents(certificate, bloch, top)
+    values, vectors = approximate_exponents(stiffness, bloch, top)
     largest = np.argmax(np.abs(vectors), axis=0) - top
     inside = np.nonzero(np.abs(largest + float(bloch)) <= period / 2)[0]
     index = inside[int(np.argmax(values[inside].real))]
     return exponent_certificate(certificate, bloch, values[index], vectors[:, index])
 
 
-def _wave(certificate: Mapping[str, Any]) -> PeriodicClaim:
-    return PeriodicClaim(Record(dict(certificate), "certificate"))
+def wave_stiffness(certificate: Mapping[str, Any]) -> Stiffness:
+    """Return V''(f) of a periodic wave from its certificate."""
+    return PeriodicClaim(Record(dict(certificate), "certificate")).stiffness
 
 
 def _prove(
@@ -90,7 +91,7 @@ def _prove(
         "radius_bound": RADIUS_BOUND,
         "radius": RADIUS_BOUND,
     }
-    stiffness = _wave(certificate).stiffness
+    stiffness = wave_stiffness(certificate)
     centre = refined(approximate_centre(stiffness, bloch, exponent, vector))
     data |= {
         "growth": decimal_text(centre.exponent.real),

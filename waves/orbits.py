@@ -50,7 +50,7 @@ Vector = NDArray[np.float64]
 
 
 def _is_odd(springs: Sequence[Spring]) -> bool:
-    return all(s.force.polynomial is not None and not any(s.force.polynomial[::2]) for s in springs)
+    return all(spring.force.is_odd for spring in springs)
 
 
 @dataclass(frozen=True)

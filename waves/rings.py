@@ -96,15 +96,16 @@ def ring_stability(certificate: Mapping[str, Any], wavelengths: int) -> RingStab
                 "a ring needs a wave whose period is an integer number of cells (give period=10 "
                 "instead of eps)"
             )
+        stiffness = wave.stiffness
         blochs = [fmpq(m, wavelengths) for m in range(wavelengths // 2 + 1)]
-        spectra = [_spectrum(certificate, wave, bloch) for bloch in blochs]
+        spectra = [_spectrum(stiffness, bloch) for bloch in blochs]
         worst = max(range(len(blochs)), key=lambda m: _growth(spectra[m]))
-        growth, speed = _growth(spectra[worst]), float(wave.speed_squared.sqrt())
+        growth, speed = _growth(spectra[worst]), float(stiffness.speed)
         known = RingStability(Stability.NOT_PROVED, wavelengths, growth, blochs[worst])
         try:
             if growth > VISIBLE_GROWTH * speed:
                 return _unstable(known, certificate, spectra[worst])
-            return _stable(known, certificate, wave.stiffness, blochs, spectra)
+            return _stable(known, certificate, stiffness, blochs, spectra)
         except CertificateError as reason:
             return replace(known, reason=str(reason))
 
@@ -117,11 +118,11 @@ def _growth(spectrum: Spectrum) -> float:
     return max((value.real for value, _ in spectrum), default=0.0)
 
 
-def _spectrum(certificate: Mapping[str, Any], wave: PeriodicClaim, bloch: fmpq) -> Spectrum:
+def _spectrum(stiffness: Stiffness, bloch: fmpq) -> Spectrum:
     """Return approximations of the exponents at a Bloch number, without those that are 0."""
-    cells, turn = float(wave.period), 2 * math.pi * float(wave.speed_squared.sqrt())
+    cells, turn = float(stiffness.period), 2 * math.pi * float(stiffness.speed)
     top = math.ceil(cells / 2) + LEAST_COMPONENTS
-    values, vectors = approximate_exponents(certificate, bloch, top)
+    values, vectors = approximate_exponents(stiffness, bloch, top)
     centres = np.abs(np.argmax(np.abs(vectors), axis=0) - top + float(bloch))
     chosen: Spectrum = []
     for index in np.argsort(centres):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from flint import arb
 
 from .composition import Strip
-from .force_text import read_force
+from .force_text import Force, read_force
 from .limits import MAX_MODES, CertificateError
 from .periodic import Spring
 from .reading import Record
@@ -33,6 +33,16 @@ def _spring(item: Record, least: int) -> Spring:
     spring = Spring(neighbour, read_force(item.text("force")))
     item.close()
     return spring
+
+
+def nearest_force(springs: Sequence[Spring], subject: str) -> Force:
+    """Return the force of a chain with springs between nearest neighbours only.
+
+    Raises CertificateError that names the ``subject`` for any other chain.
+    """
+    if [spring.neighbour for spring in springs] != [1]:
+        raise CertificateError(f"{subject} is proved for nearest neighbours only")
+    return springs[0].force
 
 
 def springs_text(springs: Sequence[Spring]) -> str:

@@ -49,6 +49,11 @@ def polynomial_bound(coefficients: Sequence[arb], size: arb) -> arb:
     return upper(total)
 
 
+def value_at_zero(f: Sequence[arb]) -> arb:
+    """Return f(0)."""
+    return f[0] + 2 * sum(f[1:], arb(0))
+
+
 def norm(f: Sequence[arb], nu: arb) -> arb:
     """Return an upper bound of the norm of f with weight ``nu``."""
     total, weight = arb(0), arb(2)

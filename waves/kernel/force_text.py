@@ -73,6 +73,11 @@ class Force:
         return [series[i] for i in range(terms)]
 
     @property
+    def is_odd(self) -> bool:
+        """Whether the force is a polynomial with odd powers of r only."""
+        return self.polynomial is not None and not any(self.polynomial[::2])
+
+    @property
     def at_rest(self) -> list[arb]:
         """Taylor coefficients of the force at r = 0: 0, K2, K3, K4."""
         if self.polynomial is not None:

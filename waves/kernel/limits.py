@@ -20,10 +20,10 @@ class CertificateError(ValueError):
     """Error raised for a certificate that is malformed or does not prove what it claims."""
 
 
-def shown(value: object) -> str:
+def preview(value: object) -> str:
     """Return the first characters of a value; of an integer that is too long, its size.
 
-    >>> shown(10**5000)
+    >>> preview(10**5000)
     'an integer of 16610 bits'
     """
     if isinstance(value, int) and value.bit_length() > 400:
@@ -48,7 +48,7 @@ def decimal(text: object) -> fmpq:
     """
     match = _NUMBER.fullmatch(text) if isinstance(text, str) and len(text) <= MAX_DIGITS else None
     if not match or (match[4] and (match[2] is not None or match[3])) or match[4] == "0":
-        raise CertificateError(f"a number must be a decimal or a fraction, got {shown(text)!r}")
+        raise CertificateError(f"a number must be a decimal or a fraction, got {preview(text)!r}")
     whole, digits, power, below = match.groups()
     value = fmpq(int(whole + (digits or "")), int(below or 1))
     return value * fmpq(10) ** (int(power or 0) - len(digits or ""))

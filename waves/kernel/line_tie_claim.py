@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from flint import arb
 
-from .chain_reading import springs_of
+from .chain_reading import nearest_force, springs_of
 from .cosine_series import largest, least, upper
 from .limits import MAX_MODES, CertificateError, decimal
 from .line_tie import LineTiePiece, Soliton, line_tie_contraction
@@ -18,10 +18,8 @@ class LineTieClaim:
     """The statement of a certificate for all small eps, and its pieces of the range of eps^2."""
 
     def __init__(self, record: Record) -> None:
-        springs = springs_of(record.record("lattice"))
-        if [spring.neighbour for spring in springs] != [1]:
-            raise CertificateError("the tie is proved for nearest neighbours only")
-        self.force, self.eps = springs[0].force, record.number("eps")
+        self.force = nearest_force(springs_of(record.record("lattice")), "the tie")
+        self.eps = record.number("eps")
         if not self.eps > 0:
             raise CertificateError(f"eps must be > 0, got {self.eps}")
         self.soliton = Soliton.of(self.force)

@@ -48,8 +48,7 @@ class Monodromy:
     @cached_property
     def frequency_squared(self) -> arb:
         """Squared frequency Omega^2 of the orbit, as a ball."""
-        centre = self.centre
-        return centre.frequency_squared + arb(0, upper(self.radius / centre.weight))
+        return self.centre.frequency_squared_within(self.radius)
 
     @cached_property
     def coefficients(self) -> dict[Index, Series]:

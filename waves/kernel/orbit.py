@@ -21,7 +21,16 @@ from functools import cached_property
 from flint import acb, arb, arb_mat
 
 from .composition import Composed, Strip, composed, trimmed
-from .cosine_series import Series, entry, largest, norm, polynomial_of, shifted_sum, upper
+from .cosine_series import (
+    Series,
+    entry,
+    largest,
+    norm,
+    polynomial_of,
+    shifted_sum,
+    upper,
+    value_at_zero,
+)
 from .force_text import Force
 from .limits import MAX_MODES, CertificateError, require_size
 from .periodic import (
@@ -69,6 +78,10 @@ class OrbitCentre:
     margin: int = 0
     block_top: int = MAX_MODES
 
+    def frequency_squared_within(self, radius: arb) -> arb:
+        """Return the squared frequency of an orbit within ``radius`` of the centre, as a ball."""
+        return self.frequency_squared + arb(0, upper(radius / self.weight))
+
     @cached_property
     def top(self) -> int:
         """K, the largest harmonic of the centre."""
@@ -108,8 +121,7 @@ class OrbitCentre:
     @cached_property
     def is_odd(self) -> bool:
         """Whether all forces are odd polynomials, so that q(t + T/2) = -q(t) is required."""
-        forces = [spring.force.polynomial for spring in self.springs]
-        return all(force is not None and not any(force[::2]) for force in forces)
+        return all(spring.force.is_odd for spring in self.springs)
 
     def harmonics(self, first: int, last: int) -> range:
         """Return the harmonics from ``first`` to ``last`` that occur."""
@@ -207,8 +219,7 @@ class OrbitCentre:
 
     def at_start(self, bond: OrbitBond, error: arb) -> arb:
         """Return a bond's stretch at t = 0, with an ``error``."""
-        series = self.stretch(bond)
-        return series[0] + 2 * sum(series[1:], arb(0)) + arb(0, upper(error))
+        return value_at_zero(self.stretch(bond)) + arb(0, upper(error))
 
     def pulls(self, error: arb) -> dict[int, arb]:
         """Return G_n at t = 0 by site, if each stretch has an ``error``."""

@@ -8,7 +8,7 @@ from functools import cached_property
 from flint import arb, fmpq
 
 from .chain_reading import springs_of, springs_text, strip_of
-from .cosine_series import largest, upper
+from .cosine_series import largest, upper, value_at_zero
 from .limits import MAX_MODES, CertificateError, decimal
 from .monodromy import Monodromy, Multiplier, multipliers
 from .orbit import OrbitCentre, energy_at_start, orbit_contraction
@@ -60,8 +60,7 @@ class _Claim:
 
     def amplitude(self) -> Ends:
         """Return bounds of the largest |q_n| at t = 0."""
-        starts = [modes[0] + 2 * sum(modes[1:], arb(0)) for modes in self.centre.modes]
-        sizes = [abs(start) + arb(0, self.radius) for start in starts]
+        sizes = [abs(value_at_zero(modes)) + arb(0, self.radius) for modes in self.centre.modes]
         low = arb(0)
         for size in sizes:
             low = low.max(size.lower())
@@ -105,7 +104,7 @@ class OrbitClaim(_Claim):
         """Return the bounds of each number. Raises CertificateError if no orbit is proved."""
         self.require()
         # Z2 >= 1/(Omega^2 weight) and Z2 radius < 1, so this is positive
-        squared = self.centre.frequency_squared + arb(0, upper(self.radius / self.centre.weight))
+        squared = self.centre.frequency_squared_within(self.radius)
         numbers = {
             "period": ends_of(2 * arb.pi() / squared.sqrt()),
             "amplitude": self.amplitude(),

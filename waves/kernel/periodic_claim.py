@@ -6,8 +6,8 @@ from functools import cached_property
 
 from flint import arb, fmpq
 
-from .chain_reading import springs_of, springs_text, strip_of
-from .cosine_series import Series, supremum, upper
+from .chain_reading import nearest_force, springs_of, springs_text, strip_of
+from .cosine_series import Series, supremum, upper, value_at_zero
 from .elliptic_pins import NearWave
 from .exponent import Stiffness
 from .limits import MAX_BITS, MAX_MODES, MIN_BITS, VERSION, CertificateError, decimal
@@ -67,8 +67,7 @@ class PeriodicClaim:
     @property
     def stiffness(self) -> Stiffness:
         """V''(f) of the proved wave, for nearest neighbours."""
-        if [spring.neighbour for spring in self.springs] != [1]:
-            raise CertificateError("exponents are proved for nearest neighbours only")
+        nearest_force(self.springs, "an exponent")
         _, law = self.centre.laws[0]
         rest = upper(law.stiffness_rest + law.third * self.radius)
         return Stiffness(law.stiffness, rest, self.speed_squared.sqrt(), self.period)
@@ -78,7 +77,7 @@ class PeriodicClaim:
         modes, error = self.centre.modes, arb(0, self.radius)
         numbers = {
             "speed": ends_of(self.speed_squared.sqrt()),
-            "crest": ends_of(modes[0] + 2 * sum(modes[1:], arb(0)) + error),
+            "crest": ends_of(value_at_zero(modes) + error),
         }
         nearest = [spring.neighbour for spring in self.springs] == [1]
         if nearest and self.springs[0].force.polynomial is not None:
@@ -108,11 +107,10 @@ def proved_wave(record: Record) -> PeriodicClaim:
 
 
 def _near(record: Record, springs: tuple[Spring, ...]) -> NearWave:
-    if [spring.neighbour for spring in springs] != [1]:
-        raise CertificateError("near needs a chain with nearest neighbours only")
+    force = nearest_force(springs, "a wave near an elliptic one")
     name, k, eps = record.text("form"), record.number("k"), record.number("eps")
     record.close()
-    return NearWave(name, k, eps, springs[0].force)
+    return NearWave(name, k, eps, force)
 
 
 def _distance(near: NearWave, modes: Series, radius: arb) -> Ends:

@@ -7,7 +7,7 @@ from typing import Any
 
 from flint import arb, fmpq
 
-from .limits import CertificateError, decimal, shown
+from .limits import CertificateError, decimal, preview
 
 
 def without_doubles(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
@@ -52,7 +52,7 @@ class Record:
         value = self.take(key)
         if type(value) is not int or not least <= value <= most:
             raise CertificateError(
-                f"{self._name}.{key} must be {least} to {most}, got {shown(value)}"
+                f"{self._name}.{key} must be {least} to {most}, got {preview(value)}"
             )
         return value
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 from flint import arb, arb_poly
 
-from .cosine_series import Series, entry, largest, norm, product, upper
+from .cosine_series import Series, entry, largest, norm, product, upper, value_at_zero
 from .limits import CertificateError
 from .periodic import Contraction
 from .solitary import Law, SolitaryCentre
@@ -41,9 +41,9 @@ class SolitaryNumbers:
     @property
     def crest(self) -> arb:
         """Strain f(0)."""
-        modes, centre = self.centre.strain, self.centre
+        centre = self.centre
         error = centre.embedding * self.radius + centre.delta * centre.edge
-        return modes[0] + 2 * sum(modes[1:], arb(0)) + _around_zero(error)
+        return value_at_zero(centre.strain) + _around_zero(error)
 
     @property
     def profile_error(self) -> arb:

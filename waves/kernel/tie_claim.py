@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from flint import arb, fmpq
 
-from .chain_reading import springs_of
+from .chain_reading import nearest_force, springs_of
 from .cosine_series import largest, least, upper
 from .elliptic_pins import NearWave
 from .limits import MAX_MODES, CertificateError, decimal
@@ -18,13 +18,12 @@ class TieClaim:
     """The statement of a certificate for all small eps, and its pieces of the range of eps^2."""
 
     def __init__(self, record: Record) -> None:
-        springs = springs_of(record.record("lattice"))
+        self.force = nearest_force(springs_of(record.record("lattice")), "the tie")
         near = record.record("near")
         name, k = near.text("form"), near.number("k")
         near.close()
-        self.eps, self.force = record.number("eps"), springs[0].force
-        polynomial = self.force.polynomial is not None
-        if not (self.eps > 0 and polynomial and [s.neighbour for s in springs] == [1]):
+        self.eps = record.number("eps")
+        if not (self.eps > 0 and self.force.polynomial is not None):
             raise CertificateError("the tie is proved for eps > 0 and a polynomial force")
         self.wave = NearWave(name, k, fmpq(1), self.force)
         self.weight = arb(record.number("weight"))
