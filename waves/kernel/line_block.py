@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from flint import arb, arb_mat, ctx
 
@@ -23,6 +24,27 @@ Kernels = Sequence[Sequence[Sequence[arb]]]
 
 Index = tuple[int, int]
 """Index of an unknown and of its mode."""
+
+
+class LineInterval:
+    """Interval (-d, d) for a wave on the line, whose kernel decays as exp(-kappa |x|)."""
+
+    half_length: arb
+    kappa: arb
+
+    def wavenumber(self, n: int) -> arb:
+        """Return k_n = pi n/d."""
+        return arb.pi() * n / self.half_length
+
+    @cached_property
+    def edge(self) -> arb:
+        """Decay exp(-kappa d) from the middle to the edge of the interval."""
+        return upper((-self.kappa * self.half_length).exp())
+
+    @cached_property
+    def images(self) -> arb:
+        """Sum Q = 1/(1 - exp(-2 kappa d)) of the decay over all periodic images."""
+        return upper(1 / (1 - self.edge * self.edge))
 
 
 @dataclass(frozen=True)

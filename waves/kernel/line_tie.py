@@ -42,7 +42,7 @@ from .cosine_series import (
 )
 from .force_text import Force
 from .limits import MAX_MODES, CertificateError
-from .line_block import LineBlock, line_block, square_integral
+from .line_block import LineBlock, LineInterval, line_block, square_integral
 from .long_waves import h, h2, h_series
 from .periodic import Contraction
 
@@ -125,7 +125,7 @@ class Soliton:
 
 
 @dataclass(frozen=True)
-class LineTiePiece:
+class LineTiePiece(LineInterval):
     """A piece of the values of s = eps^2, as a ball, with the correction of the wave there.
 
     ``correction`` has the modes of G, ``top`` is the highest mode N in the inverted block, and
@@ -144,10 +144,6 @@ class LineTiePiece:
     def largest_square(self) -> arb:
         """Upper end of the piece."""
         return upper(self.square)
-
-    def wavenumber(self, n: int) -> arb:
-        """Return xi_n = pi n/d."""
-        return arb.pi() * n / self.half_length
 
     def dispersion(self, n: int) -> arb:
         """Return m at xi_n, for every s of the piece."""
@@ -252,16 +248,6 @@ class LineTiePiece:
                 higher[n] = arb(b[n]) * self.square ** (order - 1)
                 full[n] = self.square * higher[n]
         return full, higher
-
-    @cached_property
-    def edge(self) -> arb:
-        """Decay exp(-kappa d) from the middle to the edge of the interval."""
-        return upper((-self.kappa * self.half_length).exp())
-
-    @cached_property
-    def images(self) -> arb:
-        """Sum Q = 1/(1 - exp(-2 kappa d)) of the decay over all periodic images."""
-        return upper(1 / (1 - self.edge * self.edge))
 
     @cached_property
     def fronts(self) -> tuple[arb, arb]:

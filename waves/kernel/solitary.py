@@ -17,7 +17,7 @@ from flint import acb, arb
 from .composition import Composed, Strip, composed, trimmed
 from .cosine_series import Series, entry, largest, product, upper
 from .limits import CertificateError
-from .line_block import LineBlock, line_block, square_integral
+from .line_block import LineBlock, LineInterval, line_block, square_integral
 from .line_kernel import LineKernel, box
 from .periodic import Contraction, Spring
 
@@ -42,7 +42,7 @@ class Law:
 
 
 @dataclass(frozen=True)
-class SolitaryCentre:
+class SolitaryCentre(LineInterval):
     """Modes a_0 ... a_N of each g_m on (-d, d), decay kappa, size of the block, largest radius."""
 
     springs: tuple[Spring, ...]
@@ -65,10 +65,6 @@ class SolitaryCentre:
         boxes = sorted({1, *(spring.neighbour for spring in self.nonlinear)})
         stiffness = tuple((spring.neighbour, spring.force.at_rest[1]) for spring in self.springs)
         return LineKernel(stiffness, self.speed_squared, self.kappa, tuple(boxes))
-
-    def wavenumber(self, n: int) -> arb:
-        """Return k_n = pi n/d."""
-        return arb.pi() * n / self.half_length
 
     def boxes(self, n: int) -> list[arb]:
         """Return T_m(k_n) for each unknown."""
@@ -110,16 +106,6 @@ class SolitaryCentre:
     def weight(self) -> arb:
         """Weighted norm G of the centre."""
         return self.weighted_size(self.modes)
-
-    @cached_property
-    def edge(self) -> arb:
-        """Decay exp(-kappa d) from the middle to the edge of the interval."""
-        return upper((-self.kappa * self.half_length).exp())
-
-    @cached_property
-    def images(self) -> arb:
-        """Sum Q = 1/(1 - exp(-2 kappa d)) of the decay over all periodic images."""
-        return upper(1 / (1 - self.edge * self.edge))
 
     def periodic_error(self, power: int, weight: arb) -> arb:
         """Bound exp(kappa (d - |x|)) |periodic kernel*g - kernel*g| on (-d, d).
