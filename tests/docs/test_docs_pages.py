@@ -27,6 +27,7 @@ LONG = (
     "how-to/bench.md",
     "how-to/command-line.md",
     "how-to/derive.md",
+    "how-to/exact-waves.md",
     "how-to/disorder.md",
     "how-to/fit.md",
     "how-to/lattice-scene.md",

@@ -98,7 +98,11 @@ def test_a_large_eps_is_not_proved() -> None:
     assert tie("cn", 1, "4/5", "3/2").verdict is Existence.NOT_PROVED
 
 
-KDV = [("1", "0", "3/5"), ("1", "1", "9/10"), ("-1", "0", "99/100")]
+KDV = [
+    ("1", "0", "3/5"),
+    pytest.param("1", "1", "9/10", marks=pytest.mark.slow),
+    pytest.param("-1", "0", "99/100", marks=pytest.mark.slow),
+]
 
 
 @pytest.mark.parametrize(("k3", "k4", "k"), KDV)

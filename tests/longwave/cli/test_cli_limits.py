@@ -68,7 +68,7 @@ TOO_LONG = {
     "verify accuracy": "verify accuracy",
     "fit": f"fit points.csv --law {LARGE}",
     "run": "run scene.toml",
-    "wave": "wave lennard_jones --set E=1,r=1 --speed 9",
+    "wave": "wave fput_strain --set K2=1,K3=0,K4=1 --near soliton --every-eps-to 3/10",
     "orbit": "orbit toda --set a=1,b=1 --sites 60 --energy 9",
     "sweep": "sweep sweep.toml",
     "plot": "plot scene.toml",
